@@ -6,7 +6,7 @@
 
 use robot_dynamics_core::{ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, Model};
 
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// ∂τ/∂q and ∂τ/∂v of each state; see [`inverse_dynamics_derivatives`](robot_dynamics_core::inverse_dynamics_derivatives).
@@ -45,7 +45,8 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     derivatives: InverseDynamicsDerivativesMut<'_, T>,
 ) -> Result<(), BadStates> {
     let InverseDynamicsDerivativesMut { by_position, by_velocity } = derivatives;
-    let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
+    let tables =
+        InputTables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
     T::derivatives(model, workspace, false, &tables, [by_position, by_velocity, &mut []])
 }
 
@@ -93,6 +94,6 @@ pub fn forward_dynamics_derivatives<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let ForwardDynamicsDerivativesMut { by_position, by_velocity, by_force } = derivatives;
     let tables =
-        Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
+        InputTables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
     T::derivatives(model, workspace, true, &tables, [by_position, by_velocity, by_force])
 }

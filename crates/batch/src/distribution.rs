@@ -35,12 +35,12 @@ pub(super) fn for_each_part<T: Float, const K: usize>(
         1 => batch,
         _ => (batch.div_ceil(lanes) / (4 * threads)).clamp(1, blocks) * lanes,
     };
-    let left = Mutex::new(Rows { first: 0, states: batch, results });
+    let left = Mutex::new(ResultRows { first: 0, states: batch, results });
     workspace.on_each_thread(|memory| {
         // The lock is released before the rows are computed.
         let next = || left.lock().unwrap_or_else(PoisonError::into_inner).split_off(chunk);
         while let Some(mut rows) = next() {
-            while let Some(Rows { first, states, results }) = rows.split_off(lanes) {
+            while let Some(ResultRows { first, states, results }) = rows.split_off(lanes) {
                 run(memory, first, states, results);
             }
         }
@@ -56,24 +56,24 @@ pub(super) fn for_each_state<T: Float, M, const K: usize>(
     memory: &(impl Fn() -> M + Sync),
     run: &(impl Fn(&mut M, usize, [&mut [T]; K]) + Sync),
 ) {
-    let left = Mutex::new(Rows { first: 0, states: batch, results });
+    let left = Mutex::new(ResultRows { first: 0, states: batch, results });
     workspace.on_each_thread(|_| {
         let next = || left.lock().unwrap_or_else(PoisonError::into_inner).split_off(1);
         let mut own = None;
-        while let Some(Rows { first, results, .. }) = next() {
+        while let Some(ResultRows { first, results, .. }) = next() {
             run(own.get_or_insert_with(memory), first, results);
         }
     });
 }
 
 /// Some states' rows of the results.
-struct Rows<'a, T, const K: usize> {
+struct ResultRows<'a, T, const K: usize> {
     first: usize,
     states: usize,
     results: [&'a mut [T]; K],
 }
 
-impl<T, const K: usize> Rows<'_, T, K> {
+impl<T, const K: usize> ResultRows<'_, T, K> {
     /// Splits off the rows of the first states, at most `at_most`; `None` if none are left.
     fn split_off(&mut self, at_most: usize) -> Option<Self> {
         let states = at_most.min(self.states);

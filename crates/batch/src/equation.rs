@@ -4,7 +4,7 @@ use robot_dynamics_core::Model;
 
 use crate::computation::recursions::Forces;
 use crate::float::Quantity;
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// τ = M(q) a + C(q,v) v + g(q) of each state; see [`inverse_dynamics`](robot_dynamics_core::inverse_dynamics).
@@ -43,7 +43,8 @@ pub fn inverse_dynamics<T: BatchFloat>(
     a: &[T],
     tau: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
+    let tables =
+        InputTables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
     T::compute(model, workspace, Quantity::Forces(Forces::Inverse), &tables, "tau", tau)
 }
 
@@ -81,7 +82,7 @@ pub fn bias<T: BatchFloat>(
     v: &[T],
     bias: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
+    let tables = InputTables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
     T::compute(model, workspace, Quantity::Forces(Forces::Bias), &tables, "the bias", bias)
 }
 
@@ -116,7 +117,7 @@ pub fn gravity<T: BatchFloat>(
     q: &[T],
     gravity: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::Forces(Forces::Gravity), &tables, "gravity", gravity)
 }
 
@@ -158,7 +159,7 @@ pub fn forward_dynamics<T: BatchFloat>(
     acceleration: &mut [T],
 ) -> Result<(), BadStates> {
     let tables =
-        Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
+        InputTables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
     T::compute(model, workspace, Quantity::Acceleration, &tables, "the acceleration", acceleration)
 }
 
@@ -195,7 +196,7 @@ pub fn mass_matrix<T: BatchFloat>(
     q: &[T],
     mass: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::Mass, &tables, "the mass matrix", mass)
 }
 
@@ -233,6 +234,6 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
     q: &[T],
     inverse: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::InverseMass, &tables, "the inverse mass matrix", inverse)
 }

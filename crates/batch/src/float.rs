@@ -15,7 +15,7 @@ use crate::computation::{derivatives, pullback};
 use crate::rollout::pullback::{RolloutPullbackInputs, compute as pull_rollout_back};
 use crate::rollout::states::{RolloutStates, move_states};
 use crate::rollout::{RolloutError, RolloutObserver, Torques};
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::threads::Pool;
 use crate::{BadStates, BatchOptions, BatchWorkspace};
 
@@ -41,7 +41,7 @@ pub trait BatchFloat: Float {
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         quantity: Quantity<'_>,
-        tables: &Tables<'_, Self>,
+        tables: &InputTables<'_, Self>,
         result: &str,
         output: &mut [Self],
     ) -> Result<(), BadStates>;
@@ -51,7 +51,7 @@ pub trait BatchFloat: Float {
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         is_forward: bool,
-        tables: &Tables<'_, Self>,
+        tables: &InputTables<'_, Self>,
         results: [&mut [Self]; 3],
     ) -> Result<(), BadStates>;
 
@@ -70,7 +70,7 @@ pub trait BatchFloat: Float {
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         is_forward: bool,
-        tables: &Tables<'_, Self, 4>,
+        tables: &InputTables<'_, Self, 4>,
         results: [&mut [Self]; 5],
     ) -> Result<(), BadStates>;
 
@@ -97,7 +97,7 @@ macro_rules! batch_float {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 quantity: Quantity<'_>,
-                tables: &Tables<'_, Self>,
+                tables: &InputTables<'_, Self>,
                 result: &str,
                 output: &mut [Self],
             ) -> Result<(), BadStates> {
@@ -119,7 +119,7 @@ macro_rules! batch_float {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 is_forward: bool,
-                tables: &Tables<'_, Self>,
+                tables: &InputTables<'_, Self>,
                 results: [&mut [Self]; 3],
             ) -> Result<(), BadStates> {
                 if is_forward {
@@ -146,7 +146,7 @@ macro_rules! batch_float {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 is_forward: bool,
-                tables: &Tables<'_, Self, 4>,
+                tables: &InputTables<'_, Self, 4>,
                 results: [&mut [Self]; 5],
             ) -> Result<(), BadStates> {
                 if is_forward {

@@ -5,7 +5,7 @@ use robot_dynamics_core::{FrameId, Model, ReferenceFrame};
 
 use crate::computation::frames::{Jacobian, Poses};
 use crate::float::Quantity;
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// The number of entries in one pose.
@@ -45,7 +45,7 @@ pub fn frame_poses<T: BatchFloat>(
     for &frame in frames {
         model.frame_of(frame);
     }
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::Poses(Poses { frames }), &tables, "the poses", poses)
 }
 
@@ -86,7 +86,7 @@ pub fn frame_jacobian<T: BatchFloat>(
     jacobian: &mut [T],
 ) -> Result<(), BadStates> {
     model.frame_of(frame);
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     let operation = Quantity::Jacobian(Jacobian { frame, reference_frame });
     T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
 }

@@ -19,7 +19,7 @@ mod compute {
     use super::Number;
     use crate::bad_states::BadStateSet;
     use crate::distribution::for_each_part;
-    use crate::tables::Tables;
+    use crate::tables::InputTables;
     use crate::workspace::BlockMemory;
     use crate::{BadStates, BatchWorkspace};
 
@@ -49,7 +49,7 @@ mod compute {
         model: &Model,
         workspace: &BatchWorkspace<T>,
         task: impl Into<NativeTask>,
-        tables: &Tables<'_, T, A>,
+        tables: &InputTables<'_, T, A>,
         results: [&'a mut [T]; K],
         again: &(impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool + Sync),
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
@@ -124,7 +124,7 @@ mod absent {
     use robot_dynamics_core::model::native::NativeTask;
     use robot_dynamics_number::Float;
 
-    use crate::tables::Tables;
+    use crate::tables::InputTables;
     use crate::workspace::BlockMemory;
     use crate::{BadStates, BatchWorkspace};
 
@@ -136,7 +136,7 @@ mod absent {
         _: &Model,
         _: &BatchWorkspace<T>,
         _: impl Into<NativeTask>,
-        _: &Tables<'_, T, A>,
+        _: &InputTables<'_, T, A>,
         results: [&'a mut [T]; K],
         _: &impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool,
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {

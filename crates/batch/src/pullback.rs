@@ -6,7 +6,7 @@
 
 use robot_dynamics_core::{ForwardPullbackMut, InversePullbackMut, Model};
 
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// λᵀ∂τ/∂q, λᵀ∂τ/∂v and M λ of each state and its own λ; see
@@ -114,7 +114,7 @@ pub fn forward_dynamics_pullback<T: BatchFloat>(
 }
 
 /// The states and their cotangents: q, v, a or τ, λ.
-fn tables<'a, T>(model: &Model, third: &'static str, rows: [&'a [T]; 4]) -> Tables<'a, T, 4> {
+fn tables<'a, T>(model: &Model, third: &'static str, rows: [&'a [T]; 4]) -> InputTables<'a, T, 4> {
     let (nq, nv) = (model.nq, model.nv);
-    Tables { names: ["q", "v", third, "the cotangent"], widths: [nq, nv, nv, nv], rows }
+    InputTables { names: ["q", "v", third, "the cotangent"], widths: [nq, nv, nv, nv], rows }
 }

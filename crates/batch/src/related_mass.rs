@@ -7,7 +7,7 @@
 use robot_dynamics_core::Model;
 
 use crate::float::Quantity;
-use crate::tables::Tables;
+use crate::tables::InputTables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// The structurally nonzero entries of M(q) of each state on and above the diagonal. These are the M_ij of
@@ -52,6 +52,6 @@ pub fn mass_matrix_related<T: BatchFloat>(
     q: &[T],
     mass: &mut [T],
 ) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let tables = InputTables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::RelatedMass, &tables, "the related entries of M", mass)
 }

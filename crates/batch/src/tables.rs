@@ -3,13 +3,13 @@
 use robot_dynamics_core::Model;
 
 /// The input tables of an operation with their names and widths; unused ones are empty.
-pub struct Tables<'a, T, const A: usize = 3> {
+pub struct InputTables<'a, T, const A: usize = 3> {
     pub names: [&'static str; A],
     pub widths: [usize; A],
     pub rows: [&'a [T]; A],
 }
 
-impl<'a, T, const A: usize> Tables<'a, T, A> {
+impl<'a, T, const A: usize> InputTables<'a, T, A> {
     /// The rows of some states.
     pub(super) fn rows(&self, first: usize, states: usize) -> [&'a [T]; A] {
         core::array::from_fn(|i| {

@@ -12,7 +12,7 @@ use robot_dynamics::verification::audit::{
 use serde::Serialize;
 
 use self::suspect::Suspect;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::output::{print, print_json};
 use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::size::refuse_beyond_memory;
@@ -55,7 +55,7 @@ struct Audit<'a> {
     suspicions: Vec<Suspect<'a>>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let LoadedRobot { model, report, angles, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;

@@ -21,7 +21,7 @@ use self::machine::Machine;
 use self::results::Results;
 use self::single_states::SingleStateBench;
 use self::states::{States, tip};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::interruption;
 use crate::output::{print, print_json};
 use crate::robot_file::RobotFile;
@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
     threads: u16,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let model = arguments.robot.load_to_compute()?.model;
     if model.nv() == 0 {
         return Err(Failure::new(format!(

@@ -8,7 +8,7 @@ use robot_dynamics::model::{FrameId, Model, Workspace};
 use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory, ResultShape};
 use robot_dynamics::text::json;
 
-use crate::failure::{Context, Failure, Outcome};
+use crate::failure::{CommandResult, Context, Failure};
 use crate::joint_values::UNIT_TOLERANCE;
 use crate::output::print_line;
 use crate::robot_file::RobotFile;
@@ -61,7 +61,7 @@ fn quantity_parser() -> clap::builder::PossibleValuesParser {
     clap::builder::PossibleValuesParser::new(Quantity::ALL.map(Quantity::name))
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let model = arguments.robot.load_to_compute()?.model;
     let mut computer = Computer::new(&model, arguments)?;
     let mut input = BufReader::new(std::io::stdin());

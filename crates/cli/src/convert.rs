@@ -14,7 +14,7 @@ use robot_dynamics::{Format, LoadOptions, load_description_from_text};
 use robot_dynamics_number::SplitMix64;
 
 use crate::destination::refuse_clashes;
-use crate::failure::{Context, Failure, Outcome};
+use crate::failure::{CommandResult, Context, Failure};
 use crate::interruption;
 use crate::output::{print, print_line};
 use crate::output_file::{OutputFile, finish_all};
@@ -61,7 +61,7 @@ impl OutputFormat {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let Arguments { robot, output, .. } = arguments;
     let shown = output.display();
     let to = match (arguments.to, Format::of(output)) {

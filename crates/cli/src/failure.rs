@@ -10,7 +10,7 @@ use robot_dynamics::text::one_line;
 pub(crate) struct Failure(String);
 
 /// The result of a command.
-pub(crate) type Outcome = Result<ExitCode, Failure>;
+pub(crate) type CommandResult = Result<ExitCode, Failure>;
 
 impl Failure {
     pub(crate) fn new(cause: impl fmt::Display) -> Self {

@@ -10,7 +10,7 @@ use robot_dynamics_generate::{
 };
 
 use crate::destination::refuse_clashes;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::interruption;
 use crate::output::{print, print_line};
 use crate::robot_file::{LoadedRobot, RobotFile};
@@ -77,7 +77,7 @@ fn parse_function(text: &str) -> Result<Function, String> {
     text.parse().map_err(|error: robot_dynamics_generate::FunctionError| error.to_string())
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let target = Target::ALL.into_iter().find(|target| target.name() == arguments.target);
     let target = target.ok_or_else(|| Failure::new("unknown target"))?;
     let LoadedRobot { model, report, .. } = arguments.robot.load_to_compute()?;

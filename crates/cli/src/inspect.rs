@@ -12,7 +12,7 @@ use robot_dynamics::description::{Disposition, JointDescription, LinkDescription
 use robot_dynamics::model::Model;
 use robot_dynamics::text::one_line;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::inspection::Inspection;
 use crate::output::{print, print_json};
 use crate::robot_file::{LoadedRobot, RobotFile};
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     all: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &Arguments) -> CommandResult {
     let LoadedRobot { model, report, .. } = arguments.robot.load()?;
     let singular = SingularPoses::sample(&model);
     let simulation = DefaultSimulation::of(&model);

@@ -80,7 +80,7 @@ impl JointValues {
 
 /// The kind of a joint's numbers.
 #[derive(Clone, Copy)]
-pub(crate) enum Numbers {
+pub(crate) enum JointNumbers {
     /// Entries of q.
     Configuration,
     /// Entries of v.
@@ -92,7 +92,7 @@ pub(crate) fn set(
     model: &Model,
     option: &str,
     given: &[JointValues],
-    numbers: Numbers,
+    numbers: JointNumbers,
     x: &mut [f64],
 ) -> Result<(), Failure> {
     let mut seen: Vec<&str> = Vec::new();
@@ -103,8 +103,8 @@ pub(crate) fn set(
         }
         seen.push(name);
         let (start, count, what) = match numbers {
-            Numbers::Configuration => (joint.q_index, joint.nq, configuration_of(joint)),
-            Numbers::Velocity => (joint.v_index, joint.nv, velocity_of(joint)),
+            JointNumbers::Configuration => (joint.q_index, joint.nq, configuration_of(joint)),
+            JointNumbers::Velocity => (joint.v_index, joint.nv, velocity_of(joint)),
         };
         if values.len() != count {
             let found = values.len();
@@ -115,7 +115,7 @@ pub(crate) fn set(
             )));
         }
         x[start..start + count].copy_from_slice(values);
-        if matches!(numbers, Numbers::Configuration) && joint.nq > joint.nv {
+        if matches!(numbers, JointNumbers::Configuration) && joint.nq > joint.nv {
             normalize(option, name, &mut x[start + count - 4..start + count])?;
         }
     }

@@ -7,7 +7,7 @@ use clap_mangen::Man;
 use robot_dynamics::output::write_files;
 use robot_dynamics::text::one_line;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::interruption;
 use crate::output::{print, print_as_it_is};
 
@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
+pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> CommandResult {
     let mut command = command.disable_help_subcommand(true);
     command.build();
     if let Some(folder) = &arguments.output {

@@ -10,10 +10,10 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, Method, SimulationBuilder};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::output::print;
 
-pub(crate) fn run() -> Outcome {
+pub(crate) fn run() -> CommandResult {
     print(&text().map_err(Failure::new)?)?;
     Ok(ExitCode::SUCCESS)
 }

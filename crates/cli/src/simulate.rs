@@ -39,9 +39,9 @@ use self::run::RunResult;
 use self::setup::Setup;
 use self::start::Start;
 use self::summary::Summary;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{CommandResult, Failure};
 use crate::interruption;
-use crate::joint_values::{Numbers, set};
+use crate::joint_values::{JointNumbers, set};
 use crate::output::{print, print_error};
 use crate::robot_file::LoadedRobot;
 use crate::table::short;
@@ -49,7 +49,7 @@ use crate::table::short;
 /// Largest number of steps, which only a mistyped step exceeds.
 const MAX_STEPS: f64 = 1e9;
 
-pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
+pub(crate) fn run(arguments: &mut Arguments) -> CommandResult {
     let LoadedRobot { model, report, .. } = arguments.robot.load_to_compute()?;
     let arguments = &*arguments;
     let mut plan = RunPlan::choose(arguments, &model)?;
@@ -140,7 +140,7 @@ impl RunPlan {
         let floor = Floor::choose(arguments, model, &setup, &mut start)?;
         let drive = drive::choose(arguments, model, &setup, &start)?;
         let mut goal = start.q.clone();
-        set(model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
+        set(model, "--goal", &arguments.goal, JointNumbers::Configuration, &mut goal)?;
         Ok(Self { steps, setup, loops, start, floor, drive, is_held, goal })
     }
 }
@@ -192,7 +192,7 @@ fn take_steps(
 }
 
 /// The outcome of the command after its summary.
-fn outcome(arguments: &Arguments, ran: &RunResult, written: &WrittenFiles) -> Outcome {
+fn outcome(arguments: &Arguments, ran: &RunResult, written: &WrittenFiles) -> CommandResult {
     let RunResult { run, failure, .. } = ran;
     let causes: Vec<&str> = failure.iter().chain(&written.troubles).map(String::as_str).collect();
     if !causes.is_empty() {

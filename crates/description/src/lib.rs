@@ -63,7 +63,7 @@ pub use pose_spring::PoseSpring;
 pub use quaternion::{Quaternion, rotation_of};
 pub use random_robot::{JointKinds, RandomRobotOptions, random_quaternion, random_robot};
 pub use refused_file::RefusedFile;
-pub use report::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use report::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, LinkDescription, RobotDescription};
 pub use scene::{Mount, Object, Scene};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};

@@ -122,7 +122,7 @@ pub struct LoadReport {
     /// The robot's name.
     pub robot: String,
     /// The totals.
-    pub counts: Counts,
+    pub counts: LoadCounts,
     /// The findings; after [`sort`](Self::sort) in the order of the file's lines.
     pub findings: Vec<Finding>,
     /// The source files of the robot, as absolute paths: the main file, included files and attached models.
@@ -142,7 +142,8 @@ fn paths_as_text<S: serde::Serializer>(files: &[PathBuf], serializer: S) -> Resu
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
-pub struct Counts {
+#[doc(alias = "Counts")]
+pub struct LoadCounts {
     /// Links.
     pub links: usize,
     /// Joints of every type, fixed ones included.
@@ -246,7 +247,7 @@ impl LoadReport {
 
 impl fmt::Display for LoadReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Counts { links, joints, degrees_of_freedom, not_dynamics, unlisted, .. } = self.counts;
+        let LoadCounts { links, joints, degrees_of_freedom, not_dynamics, unlisted, .. } = self.counts;
         writeln!(
             f,
             "robot {:?}: {links} links, {joints} joints, {degrees_of_freedom} degrees of freedom",
@@ -268,7 +269,7 @@ impl fmt::Display for LoadReport {
     }
 }
 
-impl Counts {
+impl LoadCounts {
     /// The totals by treatment, in one line.
     pub fn sums(&self) -> String {
         let Self { read, defaulted, as_written, repaired, ignored, ignored_physics, .. } = self;

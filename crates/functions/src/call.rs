@@ -5,7 +5,7 @@ use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_simulation::{StepForces, StepStagesWorkspace};
 
-use crate::{Function, FunctionError, Outcome};
+use crate::{Function, FunctionError, FunctionResult};
 use robot_dynamics_description::Pose;
 
 impl Function {
@@ -46,14 +46,14 @@ pub(crate) fn call<S: Scalar>(
         let mut results = zeros(function, model);
         let mut arguments: Vec<&[S]> = arguments.iter().map(Vec::as_slice).collect();
         arguments.resize(4, &[]);
-        let memory = &mut Memory::new(function, model, InstructionSet::Portable);
+        let memory = &mut CallWorkspaces::new(function, model, InstructionSet::Portable);
         compute(function, model, frame, memory, &arguments, &mut results);
         results
     })
 }
 
 fn zeros<S: Scalar>(function: &Function, model: &Model) -> Vec<Vec<S>> {
-    let zeros = |outcome: Outcome| vec![S::zero(); outcome.rows * outcome.columns];
+    let zeros = |outcome: FunctionResult| vec![S::zero(); outcome.rows * outcome.columns];
     function.results(model).into_iter().map(zeros).collect()
 }
 
@@ -72,7 +72,7 @@ pub struct FunctionMemory<'a, S: Scalar> {
     function: &'a Function,
     model: &'a Model,
     frame: Option<FrameId>,
-    memory: Memory<S>,
+    memory: CallWorkspaces<S>,
     results: Vec<Vec<S>>,
 }
 
@@ -86,7 +86,7 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
             return Err(FunctionError::NotDifferentiable { function: function.to_string() });
         }
         let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
-        let memory = Memory::new(function, model, InstructionSet::best());
+        let memory = CallWorkspaces::new(function, model, InstructionSet::best());
         Ok(Self { function, model, frame, memory, results: zeros(function, model) })
     }
 
@@ -104,12 +104,12 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
 }
 
 /// The workspaces of the library's calls.
-struct Memory<S: Scalar> {
+struct CallWorkspaces<S: Scalar> {
     tree: Workspace<S>,
     step: Option<StepStagesWorkspace<S>>,
 }
 
-impl<S: Scalar> Memory<S> {
+impl<S: Scalar> CallWorkspaces<S> {
     fn new(function: &Function, model: &Model, limit: InstructionSet) -> Self {
         let step = function.integrator().map(|_| StepStagesWorkspace::limited(model, limit));
         Self { tree: Workspace::limited(model, limit), step }
@@ -121,11 +121,11 @@ fn compute<S: Scalar>(
     function: &Function,
     model: &Model,
     frame: Option<FrameId>,
-    memory: &mut Memory<S>,
+    memory: &mut CallWorkspaces<S>,
     arguments: &[&[S]],
     results: &mut [Vec<S>],
 ) {
-    let Memory { tree: w, step } = memory;
+    let CallWorkspaces { tree: w, step } = memory;
     let (x, y, z) = (arguments[0], arguments[1], arguments[2]);
     let one = &mut results[0][..];
     match function {

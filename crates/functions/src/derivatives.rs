@@ -11,7 +11,7 @@ use robot_dynamics_expression::{
 use robot_dynamics_number::Scalar;
 
 use crate::Function;
-use crate::function::{DerivativeKind, Row, Size};
+use crate::function::{ArgumentRow, DerivativeKind, Size};
 
 pub(crate) use self::expected_values::derivatives_by_dual_numbers;
 
@@ -169,7 +169,7 @@ impl DifferentiationInput<'_> {
     fn adjoints(&self, graph: &mut Graph, steps: &[usize], weights: &[Operand]) -> Vec<Vec<Operand>> {
         let pairs = self.results.iter().flatten().copied().zip(weights.iter().copied());
         let adjoints = chain::pull_back(graph, steps, pairs, self.arithmetic);
-        let of = |(argument, _): (usize, Row)| -> Vec<Operand> {
+        let of = |(argument, _): (usize, ArgumentRow)| -> Vec<Operand> {
             let numbers = self.arguments[argument].iter();
             numbers.map(|&number| adjoints[number.node().expect("an input")]).collect()
         };

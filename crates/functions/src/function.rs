@@ -5,8 +5,8 @@ mod signature;
 use robot_dynamics_core::ReferenceFrame;
 use robot_dynamics_integrators::Integrator;
 
-pub use self::signature::{Argument, Outcome};
-pub(crate) use self::signature::{Row, Size};
+pub use self::signature::{Argument, FunctionResult};
+pub(crate) use self::signature::{ArgumentRow, Size};
 
 /// A function of a robot, with the library's name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -34,7 +34,7 @@ mod native_code;
 
 pub use call::FunctionMemory;
 pub use error::FunctionError;
-pub use function::{Argument, Function, Outcome};
+pub use function::{Argument, Function, FunctionResult};
 pub use name::identifier;
 pub use native_code::with_native_code;
 pub use table::Table;

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Model;
 
-use crate::{Argument, Function, Outcome, identifier};
+use crate::{Argument, Function, FunctionResult, identifier};
 
 /// A table that a function reads or writes for each state, by rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn writes(&self, model: &Model) -> Vec<Table> {
-        let table = |Outcome { name, rows, columns, .. }| Table { name, rows, columns };
+        let table = |FunctionResult { name, rows, columns, .. }| Table { name, rows, columns };
         self.results(model).into_iter().map(table).collect()
     }
 

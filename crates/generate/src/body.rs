@@ -5,7 +5,7 @@ use core::cell::Cell;
 use robot_dynamics_expression::{Graph, Operand, Operation};
 
 use crate::affine_index::AffineIndex;
-use crate::layout::{Layout, Loop, LoopOperand, Region, Step};
+use crate::layout::{Layout, Loop, LoopOperand, LoopStep, Region};
 use crate::syntax::Syntax;
 
 /// The statements of a program's parts.
@@ -151,7 +151,7 @@ where
             body_lines.push(format!("{name} = {};", self.name(one.next)));
         }
         lines.add(
-            &self.syntax.loop_head(repeated.iterations, repeated.steps.iter().any(Step::uses_iteration)),
+            &self.syntax.loop_head(repeated.iterations, repeated.steps.iter().any(LoopStep::uses_iteration)),
         );
         for line in &body_lines {
             lines.add_inside(line);

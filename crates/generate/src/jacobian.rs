@@ -5,7 +5,7 @@ use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Traced, chain,
 use robot_dynamics_number::Scalar;
 
 use crate::Function;
-use crate::program::{Argument, Outcome, Program};
+use crate::program::{Argument, Program, ProgramResult};
 
 /// The program of ∂result/∂argument for each result and argument, with a row for each entry of the result.
 /// Derivatives are with respect to the numbers of q; of a quaternion, the function depends on the direction
@@ -33,7 +33,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
     for outcome in &program.outcomes {
         for argument in &program.arguments {
             let name = format!("jac_{}_{}", outcome.name, argument.name);
-            outcomes.push(Outcome { name, rows: outcome.length(), columns: argument.length, what: "" });
+            outcomes.push(ProgramResult { name, rows: outcome.length(), columns: argument.length, what: "" });
         }
     }
     Program {

@@ -44,7 +44,7 @@ pub(crate) struct Loop {
     pub(crate) copies: Vec<(usize, usize)>,
     /// The loop-carried variables.
     pub(crate) carried: Vec<CarriedVariable>,
-    pub(crate) steps: Vec<Step>,
+    pub(crate) steps: Vec<LoopStep>,
 }
 
 /// A loop-carried variable: each iteration sets it for the next.
@@ -60,7 +60,7 @@ pub(crate) struct CarriedVariable {
 
 /// An operation of a loop.
 #[derive(Clone, Debug)]
-pub(crate) struct Step {
+pub(crate) struct LoopStep {
     /// The operation of the first iteration, which determines the kind, the signs of the operands, and the
     /// name.
     pub(crate) node: usize,
@@ -71,7 +71,7 @@ pub(crate) struct Step {
     pub(crate) stores: Vec<ResultStore>,
 }
 
-impl Step {
+impl LoopStep {
     /// Whether it uses the number of the iteration as an index.
     pub(crate) fn uses_iteration(&self) -> bool {
         let is_indexed = |read: &LoopOperand| match read {

@@ -27,10 +27,10 @@ mod tests;
 
 use robot_dynamics_expression::{Graph, Operand, Operation, Plan, as_traced, most_live};
 
-use self::memory::{Memory, StridedRow};
+use self::memory::{ProgramMemory, StridedRow};
 use self::repetition::{LoopPosition, Repetition, Sequence};
 use crate::affine_index::AffineIndex;
-use crate::layout::{CarriedVariable, Layout, Loop, LoopOperand, MAX_STEPS, Region, ResultStore, Step};
+use crate::layout::{CarriedVariable, Layout, Loop, LoopOperand, LoopStep, MAX_STEPS, Region, ResultStore};
 
 /// Layout with loops where these make the text shorter by a third or more, else straight code. `place`
 /// returns the place in a result at which a number is stored, if it is.
@@ -124,8 +124,12 @@ impl<'a> Arrangement<'a> {
     }
 
     fn layout(&self) -> Layout {
-        let memory =
-            &mut Memory::new(&self.sequence.order, &self.repetitions, &self.loop_positions, &self.segment_of);
+        let memory = &mut ProgramMemory::new(
+            &self.sequence.order,
+            &self.repetitions,
+            &self.loop_positions,
+            &self.segment_of,
+        );
         let (operands, outside) = self.collect_operands(memory);
         memory.store_values(&outside, &|segment| self.segments[segment].part);
         let length = memory.allocate();
@@ -146,7 +150,7 @@ impl<'a> Arrangement<'a> {
 
     /// The operands of each loop, with their array rows. The second result lists all values that a segment
     /// reads from outside its loop, as pairs of segment and operation.
-    fn collect_operands(&self, memory: &mut Memory<'_>) -> (Vec<LoopOperands>, Vec<(usize, usize)>) {
+    fn collect_operands(&self, memory: &mut ProgramMemory<'_>) -> (Vec<LoopOperands>, Vec<(usize, usize)>) {
         let (mut operands, mut outside) = (Vec::new(), Vec::new());
         for (number, segment) in self.segments.iter().enumerate() {
             let Some(repetition) = segment.repetition else {
@@ -178,7 +182,7 @@ impl<'a> Arrangement<'a> {
     }
 
     /// The regions of each part.
-    fn parts(&self, operands: Vec<LoopOperands>, memory: &Memory<'_>) -> Vec<Vec<Region>> {
+    fn parts(&self, operands: Vec<LoopOperands>, memory: &ProgramMemory<'_>) -> Vec<Vec<Region>> {
         let (mut operands, mut carried) = (operands.into_iter(), 0);
         let mut parts: Vec<Vec<Region>> = Vec::new();
         for segment in &self.segments {
@@ -251,7 +255,7 @@ impl<'a> Arrangement<'a> {
         &self,
         number: usize,
         operands: &LoopOperands,
-        memory: &Memory<'_>,
+        memory: &ProgramMemory<'_>,
         count: &mut usize,
     ) -> Loop {
         let repetition = &self.repetitions[number];
@@ -274,7 +278,7 @@ impl<'a> Arrangement<'a> {
             let reads = sources.iter().map(&mut read).collect();
             let node = self.sequence.order[repetition.start + offset];
             let stores = self.result_stores(repetition, offset);
-            steps.push(Step { node, reads, stored_at: memory.stored_at(number, offset), stores });
+            steps.push(LoopStep { node, reads, stored_at: memory.stored_at(number, offset), stores });
         }
         let copies = memory.copies(self.segment_of[steps[0].node]);
         Loop { iterations: repetition.iterations, copies, carried, steps }

@@ -10,14 +10,14 @@ pub(crate) use robot_dynamics_functions::Argument;
 
 /// A result, a matrix by rows.
 #[derive(Clone, Debug)]
-pub(crate) struct Outcome {
+pub(crate) struct ProgramResult {
     pub(crate) name: String,
     pub(crate) rows: usize,
     pub(crate) columns: usize,
     pub(crate) what: &'static str,
 }
 
-impl Outcome {
+impl ProgramResult {
     pub(crate) fn length(&self) -> usize {
         self.rows * self.columns
     }
@@ -30,7 +30,7 @@ pub(crate) struct Program {
     /// Its name in the generated code.
     pub(crate) symbol: String,
     pub(crate) arguments: Vec<Argument>,
-    pub(crate) outcomes: Vec<Outcome>,
+    pub(crate) outcomes: Vec<ProgramResult>,
     pub(crate) graph: Graph,
     pub(crate) results: Vec<Vec<Operand>>,
     pub(crate) plan: Plan,
@@ -59,8 +59,8 @@ impl Program {
     ) -> Result<Self, GenerateError> {
         let traced = function.trace(model, arithmetic)?;
         let arguments = function.arguments(model);
-        let outcomes: Vec<Outcome> = (function.results(model).into_iter())
-            .map(|robot_dynamics_functions::Outcome { name, rows, columns, what }| Outcome {
+        let outcomes: Vec<ProgramResult> = (function.results(model).into_iter())
+            .map(|robot_dynamics_functions::FunctionResult { name, rows, columns, what }| ProgramResult {
                 name: name.into(),
                 rows,
                 columns,
@@ -126,8 +126,8 @@ impl Program {
     }
 
     /// Operations by kind.
-    pub(crate) fn counts(&self) -> Counts {
-        let mut counts = Counts::default();
+    pub(crate) fn counts(&self) -> OperationCounts {
+        let mut counts = OperationCounts::default();
         for &node in &self.plan.order {
             let count = match self.graph.nodes[node] {
                 Operation::Sum(..) | Operation::Difference(..) => &mut counts.additions,
@@ -148,7 +148,7 @@ impl Program {
 
 /// Operations by kind.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
+pub(crate) struct OperationCounts {
     pub(crate) additions: usize,
     pub(crate) multiplications: usize,
     pub(crate) fused: usize,

@@ -41,7 +41,7 @@ pub(crate) trait Backend: Send + Sync + Sized {
         &self,
         generated: &GeneratedFiles,
         symbol: &str,
-        tables: Tables,
+        tables: TableCounts,
     ) -> Result<Self::Kernel, String>;
 
     fn allocate(&self, bytes: usize) -> Result<Self::Buffer, DeviceError>;
@@ -64,7 +64,7 @@ pub(crate) trait Backend: Send + Sync + Sized {
 
 /// The number of tables that a kernel reads and writes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tables {
+pub(crate) struct TableCounts {
     pub(crate) reads: usize,
     pub(crate) writes: usize,
 }

@@ -8,8 +8,8 @@ use robot_dynamics::derivatives::Rollout;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::{Arithmetic, Function, Request, Table, generate};
 
-use crate::backend::{Backend, Command, Tables};
-use crate::robot::{Robot, mark_not_finite, marked_states};
+use crate::backend::{Backend, Command, TableCounts};
+use crate::robot::{RobotConstants, mark_not_finite, marked_states};
 use crate::{DeviceError, DeviceFloat};
 
 /// The interface of batches, for any device.
@@ -43,7 +43,7 @@ pub(crate) struct CompiledFunction<K> {
 /// One robot's functions on one device: the implementation of [`Engine`].
 pub(crate) struct Machine<B: Backend, T> {
     pub(crate) backend: Arc<B>,
-    pub(crate) robot: Robot,
+    pub(crate) robot: RobotConstants,
     functions: Vec<CompiledFunction<B::Kernel>>,
     /// Buffers of earlier calls, with their sizes in bytes.
     memory: Vec<(usize, B::Buffer)>,
@@ -63,7 +63,7 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         let generated = generate(model, &request)?;
         let compile = |function: &Function| {
             let (reads, writes) = (function.reads(model), function.writes(model));
-            let tables = Tables { reads: reads.len(), writes: writes.len() };
+            let tables = TableCounts { reads: reads.len(), writes: writes.len() };
             let kernel = backend.compile(&generated, &function.symbol(), tables).map_err(|cause| {
                 DeviceError::Refused {
                     device: backend.name().into(),
@@ -75,7 +75,13 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
             Ok(CompiledFunction { function: function.clone(), reads, writes, kernel })
         };
         let functions = functions.iter().map(compile).collect::<Result<_, DeviceError>>()?;
-        Ok(Self { backend, robot: Robot::new(model), functions, memory: Vec::new(), of: PhantomData })
+        Ok(Self {
+            backend,
+            robot: RobotConstants::new(model),
+            functions,
+            memory: Vec::new(),
+            of: PhantomData,
+        })
     }
 
     /// The index of a compiled function.

@@ -36,7 +36,7 @@ pub(crate) fn marked_states(is_bad: &[bool], first: usize) -> impl Iterator<Item
 
 /// Properties of a robot for the checks on the CPU.
 #[derive(Clone, Debug)]
-pub(crate) struct Robot {
+pub(crate) struct RobotConstants {
     pub(crate) name: String,
     pub(crate) nq: usize,
     pub(crate) nv: usize,
@@ -47,7 +47,7 @@ pub(crate) struct Robot {
     quaternions: Vec<usize>,
 }
 
-impl Robot {
+impl RobotConstants {
     pub(crate) fn new(model: &Model) -> Self {
         let (mut angles, mut quaternions) = (Vec::new(), Vec::new());
         for joint in model.joints() {
@@ -111,7 +111,7 @@ mod tests {
 
     use super::*;
 
-    fn bad<T: DeviceFloat>(robot: &Robot, q: &[T]) -> Vec<usize> {
+    fn bad<T: DeviceFloat>(robot: &RobotConstants, q: &[T]) -> Vec<usize> {
         let mut is_bad = vec![false; q.len() / robot.nq];
         robot.mark_invalid(q, &mut is_bad);
         marked_states(&is_bad, 0).collect()
@@ -135,7 +135,7 @@ mod tests {
         add("wheel", JointKind::Revolute { axis }, follow("slide", 20.0, 1.0));
         add("last", JointKind::Revolute { axis }, follow("wheel", -2.0, 6.0));
         let model = Model::new(robot).unwrap();
-        let robot = Robot::new(&model);
+        let robot = RobotConstants::new(&model);
         assert_eq!(model.nq(), 2);
         // −2 (20 q + 1) + 6 = 4 − 40 q.
         for (q, expected) in [(204.89, true), (204.91, false), (-204.69, true), (-204.71, false)] {
@@ -149,7 +149,7 @@ mod tests {
     fn each_state_is_checked_separately() {
         let mut description = pendulum(2.0, 0.5);
         description.base = Base::Floating;
-        let robot = Robot::new(&Model::new(description).unwrap());
+        let robot = RobotConstants::new(&Model::new(description).unwrap());
         let good: [f32; 8] = [7.0, 8.0, 9.0, 0.0, 0.0, 1.0, 0.0, 0.5];
         assert_eq!(robot.nq, good.len());
         let mut q = [good; 5].concat();

@@ -14,7 +14,7 @@ pub enum Symplectic {
 }
 
 /// The properties of a method.
-struct Row {
+struct MethodRow {
     name: &'static str,
     order: u32,
     symplectic: Symplectic,
@@ -35,7 +35,7 @@ macro_rules! table {
             /// Every row of the table.
             pub const ALL: [Self; [$(Self::$variant),*].len()] = [$(Self::$variant),*];
 
-            fn row(self) -> &'static Row {
+            fn row(self) -> &'static MethodRow {
                 match self {
                     $(Self::$variant => const { &$row },)*
                 }
@@ -52,14 +52,14 @@ const YOSHIDA_OUTER: f64 = 1.351_207_191_959_657_6;
 // steps use the same stages and fractions.
 table! {
     /// `explicit_euler_step`: for comparison only, because its energy grows.
-    ExplicitEuler: Row {
+    ExplicitEuler: MethodRow {
         name: "explicit-euler",
         order: 1,
         symplectic: Symplectic::Never,
         scheme: StepScheme::Explicit(&[Stage { q_row: &[], v_row: &[], q_weight: 1.0, v_weight: 1.0 }]),
     },
     /// `semi_implicit_euler_step`, as in many game engines.
-    SemiImplicitEuler: Row {
+    SemiImplicitEuler: MethodRow {
         name: "semi-implicit-euler",
         order: 1,
         symplectic: Symplectic::WhereMassIsConstant,
@@ -70,7 +70,7 @@ table! {
         ]),
     },
     /// `rk4_step`: the general-purpose method.
-    RungeKutta4: Row {
+    RungeKutta4: MethodRow {
         name: "rk4",
         order: 4,
         symplectic: Symplectic::Never,
@@ -82,14 +82,14 @@ table! {
         ]),
     },
     /// `variational_midpoint_step`: preserves the structure, for long runs.
-    VariationalMidpoint: Row {
+    VariationalMidpoint: MethodRow {
         name: "variational-midpoint",
         order: 2,
         symplectic: Symplectic::Always,
         scheme: StepScheme::Variational(&[1.0]),
     },
     /// `variational_yoshida4_step`: preserves the structure with order 4, at three times the cost.
-    VariationalYoshida4: Row {
+    VariationalYoshida4: MethodRow {
         name: "variational-yoshida4",
         order: 4,
         symplectic: Symplectic::Always,

@@ -90,6 +90,6 @@ mod writer;
 pub use error::{LoadError, MjcfError};
 pub use folder::FileSet;
 pub use load::{Robot, load, load_from_files, parse, parse_as};
-pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use robot_dynamics_description::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
 pub use writer::write;

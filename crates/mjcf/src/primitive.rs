@@ -6,7 +6,7 @@ use crate::geom::GeomType;
 
 /// A solid of uniform density, or a shell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extent {
+pub(crate) struct PrimitiveSolid {
     /// Volume \[m³\], or area \[m²\] of a shell.
     pub(crate) measure: f64,
     /// Principal moments for 1 kg, about x, y, z \[m²\].
@@ -15,16 +15,18 @@ pub(crate) struct Extent {
 
 /// The extent of a primitive; `None` for other types. `size`: radius and half length, or half edges, or
 /// semi-axes.
-pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<Extent> {
+pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<PrimitiveSolid> {
     let [a, b, c] = size;
     Some(match (form, shell) {
         (GeomType::Sphere, false) => {
-            Extent { measure: 4.0 / 3.0 * PI * a.powi(3), moments: [0.4 * a * a; 3] }
+            PrimitiveSolid { measure: 4.0 / 3.0 * PI * a.powi(3), moments: [0.4 * a * a; 3] }
         }
-        (GeomType::Sphere, true) => Extent { measure: 4.0 * PI * a * a, moments: [2.0 / 3.0 * a * a; 3] },
+        (GeomType::Sphere, true) => {
+            PrimitiveSolid { measure: 4.0 * PI * a * a, moments: [2.0 / 3.0 * a * a; 3] }
+        }
         (GeomType::Cylinder, false) => {
             let measure = 2.0 * PI * a * a * b;
-            Extent { measure, moments: symmetric_moments(a * a / 4.0 + b * b / 3.0, a * a / 2.0) }
+            PrimitiveSolid { measure, moments: symmetric_moments(a * a / 4.0 + b * b / 3.0, a * a / 2.0) }
         }
         (GeomType::Cylinder, true) => {
             // A tube and two discs.
@@ -46,7 +48,7 @@ pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<Exte
             let spheres = (4.0 * PI * a * a, ends + b * b + a * b, ends);
             combine_parts([tube, spheres])
         }
-        (GeomType::Ellipsoid, false) => Extent {
+        (GeomType::Ellipsoid, false) => PrimitiveSolid {
             measure: 4.0 / 3.0 * PI * a * b * c,
             moments: moments_from_squares(size.map(|x| x * x / 5.0)),
         },
@@ -63,11 +65,12 @@ pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<Exte
                 |size: [f64; 3], volume: f64| moments_from_squares(size.map(|x| volume * x * x / 5.0));
             let (inner, whole) = (moments(size, inside), moments(outer, outside));
             let layer = core::array::from_fn(|k| (whole[k] - inner[k]) / (outside - inside));
-            Extent { measure: 4.0 * PI * mean.powf(1.0 / P), moments: layer }
+            PrimitiveSolid { measure: 4.0 * PI * mean.powf(1.0 / P), moments: layer }
         }
-        (GeomType::Box, false) => {
-            Extent { measure: 8.0 * a * b * c, moments: moments_from_squares(size.map(|x| x * x / 3.0)) }
-        }
+        (GeomType::Box, false) => PrimitiveSolid {
+            measure: 8.0 * a * b * c,
+            moments: moments_from_squares(size.map(|x| x * x / 3.0)),
+        },
         (GeomType::Box, true) => {
             // Three pairs of plates: a plate normal to x is at x = ±a and uniform over y and z.
             let areas = [8.0 * b * c, 8.0 * c * a, 8.0 * a * b];
@@ -79,7 +82,7 @@ pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<Exte
                     .sum::<f64>()
                     / total
             });
-            Extent { measure: total, moments: moments_from_squares(mean_square) }
+            PrimitiveSolid { measure: total, moments: moments_from_squares(mean_square) }
         }
         _ => return None,
     })
@@ -97,12 +100,12 @@ fn moments_from_squares([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 /// Two parts with a common centre, each with its measure, its moment across the axis and its moment about the
 /// axis.
-fn combine_parts(parts: [(f64, f64, f64); 2]) -> Extent {
+fn combine_parts(parts: [(f64, f64, f64); 2]) -> PrimitiveSolid {
     let measure: f64 = parts.iter().map(|part| part.0).sum();
     let mean = |moment: fn(&(f64, f64, f64)) -> f64| {
         parts.iter().map(|part| part.0 * moment(part)).sum::<f64>() / measure
     };
-    Extent { measure, moments: symmetric_moments(mean(|part| part.1), mean(|part| part.2)) }
+    PrimitiveSolid { measure, moments: symmetric_moments(mean(|part| part.1), mean(|part| part.2)) }
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@
 //! last time is free after the operation, not within it.
 
 use crate::instruction::{Instruction, Register, Source};
-use crate::list::{Address, Base, Binary, Extent, List, NONE, OperandAccess, Operation, Value};
-use crate::machine::{Counts, MAX_REGISTERS, Machine};
+use crate::list::{Address, Base, Binary, List, LoadExtent, NONE, OperandAccess, Operation, Value};
+use crate::machine::{MAX_REGISTERS, Machine, SpillCounts};
 
 /// Marks a value without a register.
 const NO_REGISTER: Register = Register::MAX;
@@ -20,7 +20,7 @@ const NO_SLOT: i32 = -1;
 #[derive(Clone, Debug)]
 pub(crate) struct Allocation {
     pub(crate) instructions: Vec<Instruction>,
-    pub(crate) counts: Counts,
+    pub(crate) counts: SpillCounts,
     /// Bytes of scratch memory in use, including those before the slots.
     pub(crate) scratch_end: i32,
 }
@@ -39,7 +39,7 @@ struct Allocator<'a> {
     list: &'a List,
     machine: Machine,
     instructions: Vec<Instruction>,
-    counts: Counts,
+    counts: SpillCounts,
     /// The location of each value in memory, if it is there, and its spill slot, if it has one.
     home: Vec<Option<Address>>,
     slot: Vec<i32>,
@@ -93,7 +93,7 @@ impl<'a> Allocator<'a> {
             list,
             machine,
             instructions: Vec::with_capacity(list.steps.len() + list.steps.len() / 4),
-            counts: Counts::default(),
+            counts: SpillCounts::default(),
             home: list.homes.clone(),
             slot: vec![NO_SLOT; count],
             register: vec![NO_REGISTER; count],
@@ -129,7 +129,7 @@ impl<'a> Allocator<'a> {
                 self.load_base_pointer(to);
                 self.instructions.push(Instruction::Store { from, to });
                 // Each result of one state is written once, so the value can be read from there.
-                let stays = to.base == Base::Scratch || to.extent == Extent::Number;
+                let stays = to.base == Base::Scratch || to.extent == LoadExtent::Number;
                 if self.home[value as usize].is_none() && stays {
                     self.home[value as usize] = Some(to);
                 }
@@ -322,9 +322,9 @@ impl<'a> Allocator<'a> {
         let extent = self.home[value as usize].map(|address| address.extent);
         self.machine.has_memory_operands
             && match extent {
-                Some(Extent::Register) => true,
-                Some(Extent::Number) => reads == OperandAccess::Numbers,
-                Some(Extent::Broadcast) => self.machine.has_broadcast && reads != OperandAccess::Register,
+                Some(LoadExtent::Register) => true,
+                Some(LoadExtent::Number) => reads == OperandAccess::Numbers,
+                Some(LoadExtent::Broadcast) => self.machine.has_broadcast && reads != OperandAccess::Register,
                 None => false,
             }
     }

@@ -11,7 +11,7 @@ mod writer;
 use writer::{ADDRESS, General, Shape, Unit, Writer};
 
 use crate::instruction::{FusedForm, Instruction, Register, Source};
-use crate::list::{Address, Base, Binary, Extent};
+use crate::list::{Address, Base, Binary, LoadExtent};
 use crate::target::{Target, Width};
 
 /// Bytes of scratch memory for the preserved registers.
@@ -259,9 +259,9 @@ impl Encoder {
     fn load(&mut self, to: Register, from: Address) {
         let (base, offset) = place(from);
         match (self.width, from.extent) {
-            (Width::One, Extent::Number) => self.writer.load(self.number(), to, base, offset),
+            (Width::One, LoadExtent::Number) => self.writer.load(self.number(), to, base, offset),
             (Width::One, _) => self.writer.load(Unit::Quad, to, base, offset),
-            (Width::Lanes, Extent::Register) => self.writer.load_pair([2 * to, 2 * to + 1], base, offset),
+            (Width::Lanes, LoadExtent::Register) => self.writer.load_pair([2 * to, 2 * to + 1], base, offset),
             (Width::Lanes, _) => {
                 self.writer.load(Unit::Quad, 2 * to, base, offset);
                 self.writer.registers("orr", 0x4EA0_1C00, Shape::Bytes, &[2 * to + 1, 2 * to, 2 * to]);
@@ -272,7 +272,7 @@ impl Encoder {
     fn store(&mut self, from: Register, to: Address) {
         let (base, offset) = place(to);
         match (self.width, to.extent) {
-            (Width::One, Extent::Number) => self.writer.store(self.number(), from, base, offset),
+            (Width::One, LoadExtent::Number) => self.writer.store(self.number(), from, base, offset),
             (Width::One, _) => self.writer.store(Unit::Quad, from, base, offset),
             (Width::Lanes, _) => self.writer.store_pair([2 * from, 2 * from + 1], base, offset),
         }

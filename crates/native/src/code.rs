@@ -6,9 +6,9 @@ use robot_dynamics_number::InstructionSet;
 use crate::allocation::allocate;
 use crate::error::CompileError;
 use crate::instruction::Instruction;
-use crate::list::{Address, Base, Extent, List};
+use crate::list::{Address, Base, List, LoadExtent};
 use crate::lowering::{Lowering, PreludeValues, Source};
-use crate::machine::{Counts, Machine};
+use crate::machine::{Machine, SpillCounts};
 use crate::pool::Pool;
 use crate::prelude::Prelude;
 use crate::rows::{Finiteness, Inputs, Outputs, Rows};
@@ -115,10 +115,10 @@ type Parts = Vec<(Target, Vec<Instruction>)>;
 
 /// Allocates registers for the prelude and the rest of a program. Returns the instructions, the counts, and
 /// the end of the scratch memory in bytes.
-fn allocate_registers(target: Target, selection: &Selection) -> (Parts, Counts, i32) {
+fn allocate_registers(target: Target, selection: &Selection) -> (Parts, SpillCounts, i32) {
     let Selection { prelude, list, .. } = selection;
     let mut scratch = prelude.as_ref().map_or(2 * target.value_bytes(), |prelude| prelude.scratch_end);
-    let (mut parts, mut counts) = (Vec::new(), Counts::default());
+    let (mut parts, mut counts) = (Vec::new(), SpillCounts::default());
     let lists = prelude.iter().map(|prelude| (prelude.target, &prelude.list)).chain([(target, list)]);
     for (target, list) in lists {
         let allocation = allocate(list, Machine::of(target), scratch);
@@ -228,7 +228,7 @@ fn select_operations(
                 list.store(value, Lowering::number_at(lengths.len() + result, index, size));
             };
             lowering.graph(source, &mut input, given, &mut finished);
-            Extent::Number
+            LoadExtent::Number
         }
         Width::Lanes => {
             let rows = Rows::new(target);
@@ -245,8 +245,8 @@ fn select_operations(
             outputs.end(&mut lowering.list);
             let sum = finiteness.sum(&mut lowering.list);
             let at = largest_angle_at + target.value_bytes();
-            lowering.list.store(sum, Address::new(Base::Scratch, at, Extent::Register));
-            Extent::Register
+            lowering.list.store(sum, Address::new(Base::Scratch, at, LoadExtent::Register));
+            LoadExtent::Register
         }
     };
     let largest = lowering.largest_angle;

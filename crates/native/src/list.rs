@@ -19,7 +19,7 @@ pub(crate) enum Base {
 
 /// The extent of memory that can be read at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Extent {
+pub(crate) enum LoadExtent {
     /// One number, for the lowest lane.
     Number,
     /// One number, for all lanes.
@@ -34,11 +34,11 @@ pub(crate) struct Address {
     pub(crate) base: Base,
     /// Bytes from the base.
     pub(crate) offset: i32,
-    pub(crate) extent: Extent,
+    pub(crate) extent: LoadExtent,
 }
 
 impl Address {
-    pub(crate) fn new(base: Base, offset: i32, extent: Extent) -> Self {
+    pub(crate) fn new(base: Base, offset: i32, extent: LoadExtent) -> Self {
         Self { base, offset, extent }
     }
 }

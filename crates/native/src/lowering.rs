@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use robot_dynamics_expression::{Graph, Operand, Operation as Node, Precision};
 use robot_dynamics_number::InstructionSet;
 
-use crate::list::{Address, Base, Binary, Extent, List, NONE, Operation, Value};
+use crate::list::{Address, Base, Binary, List, LoadExtent, NONE, Operation, Value};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
 
@@ -82,11 +82,11 @@ impl<'a> Lowering<'a> {
         }
         let size = usize::from(self.number_bits() / 8);
         let (count, extent) = match (is_wide, self.target.width, self.target.instructions) {
-            (false, ..) => (1, Extent::Number),
-            (true, Width::One, _) => (16 / size, Extent::Register),
-            (true, Width::Lanes, InstructionSet::Avx512) => (1, Extent::Broadcast),
-            (true, Width::Lanes, InstructionSet::Neon) => (16 / size, Extent::Broadcast),
-            (true, Width::Lanes, _) => (self.target.lanes(), Extent::Register),
+            (false, ..) => (1, LoadExtent::Number),
+            (true, Width::One, _) => (16 / size, LoadExtent::Register),
+            (true, Width::Lanes, InstructionSet::Avx512) => (1, LoadExtent::Broadcast),
+            (true, Width::Lanes, InstructionSet::Neon) => (16 / size, LoadExtent::Broadcast),
+            (true, Width::Lanes, _) => (self.target.lanes(), LoadExtent::Register),
         };
         let home = self.pool.repeated(bits, size, count, extent);
         let value = self.list.value(Some(home));
@@ -223,7 +223,7 @@ impl<'a> Lowering<'a> {
     pub(crate) fn number_at(table: usize, index: usize, size: i32) -> Address {
         let table = u8::try_from(table).expect("the number of tables was checked");
         let index = i32::try_from(index).expect("lengths were checked");
-        Address::new(Base::Table(table), index * size, Extent::Number)
+        Address::new(Base::Table(table), index * size, LoadExtent::Number)
     }
 }
 

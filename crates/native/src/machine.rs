@@ -3,7 +3,7 @@
 use robot_dynamics_number::InstructionSet;
 
 use crate::arm;
-use crate::list::Extent;
+use crate::list::LoadExtent;
 use crate::target::{Target, Width};
 
 /// The largest number of registers of any machine.
@@ -11,13 +11,13 @@ pub(crate) const MAX_REGISTERS: usize = 32;
 
 /// Counts of the instructions that register allocation added.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Counts {
+pub(crate) struct SpillCounts {
     pub(crate) spills: usize,
     pub(crate) loads: usize,
     pub(crate) copies: usize,
 }
 
-impl Counts {
+impl SpillCounts {
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             spills: self.spills + other.spills,
@@ -41,7 +41,7 @@ pub(crate) struct Machine {
     pub(crate) fixed_pointers: u8,
     /// Bytes of a spill slot, and the extent that can be read from it.
     pub(crate) slot_bytes: i32,
-    pub(crate) slot_extent: Extent,
+    pub(crate) slot_extent: LoadExtent,
 }
 
 impl Machine {
@@ -61,8 +61,8 @@ impl Machine {
             fixed_pointers,
             slot_bytes: target.value_bytes(),
             slot_extent: match target.width {
-                Width::One => Extent::Number,
-                Width::Lanes => Extent::Register,
+                Width::One => LoadExtent::Number,
+                Width::Lanes => LoadExtent::Register,
             },
         }
     }

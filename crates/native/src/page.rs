@@ -23,19 +23,19 @@ type Function = unsafe extern "C" fn(tables: *const *mut (), scratch: *mut ());
 /// Executable memory with the code of one kernel.
 #[derive(Debug)]
 pub(crate) struct Page {
-    memory: Memory,
+    memory: CodeMemory,
 }
 
 /// Memory with finished code, read-only from then on.
 #[derive(Debug)]
-enum Memory {
+enum CodeMemory {
     /// Mapped memory, made executable after it was written.
     Mapped(Mmap),
     #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
     Jit(jit::JitMemory),
 }
 
-impl Memory {
+impl CodeMemory {
     /// Memory with this code.
     fn new(code: &[u8]) -> std::io::Result<Self> {
         // Hardened programs with the JIT entitlement may map code only this way. Where the system refuses it,
@@ -110,7 +110,7 @@ impl AccessBounds {
 impl Page {
     /// Writes code into new memory and makes that executable.
     pub(crate) fn new(code: &[u8]) -> std::io::Result<Self> {
-        Ok(Self { memory: Memory::new(code)? })
+        Ok(Self { memory: CodeMemory::new(code)? })
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::list::{Address, Base, Extent};
+use crate::list::{Address, Base, LoadExtent};
 
 /// Constants, each once, in the order of their first use.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +13,7 @@ pub(crate) struct Pool {
 
 impl Pool {
     /// A constant of `size` bytes, given by its bits and repeated `count` times.
-    pub(crate) fn repeated(&mut self, bits: u64, size: usize, count: usize, extent: Extent) -> Address {
+    pub(crate) fn repeated(&mut self, bits: u64, size: usize, count: usize, extent: LoadExtent) -> Address {
         let bytes = &mut self.bytes;
         let offset = *self.places.entry((bits, count)).or_insert_with(|| {
             let offset = offset(bytes);
@@ -27,7 +27,7 @@ impl Pool {
     pub(crate) fn pattern(&mut self, lanes: impl Iterator<Item = u64>, size: usize) -> Address {
         let offset = offset(&self.bytes);
         lanes.for_each(|bits| self.bytes.extend_from_slice(&bits.to_le_bytes()[..size]));
-        Address::new(Base::Constants, offset, Extent::Register)
+        Address::new(Base::Constants, offset, LoadExtent::Register)
     }
 }
 

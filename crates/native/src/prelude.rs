@@ -4,7 +4,7 @@
 use robot_dynamics_expression::{Operand, Operation as Node};
 use robot_dynamics_number::InstructionSet;
 
-use crate::list::{Address, Base, Extent, List};
+use crate::list::{Address, Base, List, LoadExtent};
 use crate::lowering::{Lowering, PreludeValues, Source};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
@@ -77,22 +77,22 @@ impl Prelude {
             let pattern = lowering.pool.pattern((0..lanes).map(lane_bits), bytes);
             let magnitude = lowering.list.value(Some(pattern));
             let place = Lowering::number_at(argument, from, size);
-            let angle = lowering.list.value(Some(Address { extent: Extent::Register, ..place }));
+            let angle = lowering.list.value(Some(Address { extent: LoadExtent::Register, ..place }));
             let (sine, cosine) = lowering.sine_and_cosine(angle, magnitude);
             let [sines, cosines] = [scratch_end, scratch_end + target.value_bytes()];
             scratch_end += 2 * target.value_bytes();
-            lowering.list.store(sine, Address::new(Base::Scratch, sines, Extent::Register));
-            lowering.list.store(cosine, Address::new(Base::Scratch, cosines, Extent::Register));
+            lowering.list.store(sine, Address::new(Base::Scratch, sines, LoadExtent::Register));
+            lowering.list.store(cosine, Address::new(Base::Scratch, cosines, LoadExtent::Register));
             for angle in group {
                 let lane = i32::try_from(angle.index - from).expect("a few lanes");
-                let at = |begin: i32| Address::new(Base::Scratch, begin + size * lane, Extent::Number);
+                let at = |begin: i32| Address::new(Base::Scratch, begin + size * lane, LoadExtent::Number);
                 given.sines.insert(angle.node, (at(sines), at(cosines)));
             }
         }
         store_constants(&mut lowering, source, lengths.len(), &mut given);
         let has_sines = lowering.largest_angle.is_some();
         if let Some(largest) = lowering.largest_angle {
-            lowering.list.store(largest, Address::new(Base::Scratch, 0, Extent::Register));
+            lowering.list.store(largest, Address::new(Base::Scratch, 0, LoadExtent::Register));
         }
         let list = lowering.list.remove_dead_code();
         (!list.steps.is_empty()).then_some(Self { list, given, scratch_end, target, has_sines })
@@ -115,7 +115,7 @@ fn store_constants(
                 for at in (0..run.len()).step_by(lanes) {
                     let index = begin + at.min(run.len() - lanes);
                     let place = Lowering::number_at(first_table + result, index, size);
-                    lowering.list.store(constant, Address { extent: Extent::Register, ..place });
+                    lowering.list.store(constant, Address { extent: LoadExtent::Register, ..place });
                 }
                 given.constants.extend((begin..begin + run.len()).map(|index| (result, index)));
             }

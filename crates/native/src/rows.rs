@@ -8,7 +8,7 @@
 
 use std::collections::HashSet;
 
-use crate::list::{Address, Base, Binary, Extent, List, Operation, Value};
+use crate::list::{Address, Base, Binary, List, LoadExtent, Operation, Value};
 use crate::target::Target;
 
 /// Numbers behind the last row of a table that a kernel accesses.
@@ -36,7 +36,7 @@ impl Rows {
     fn address(self, table: usize, width: usize, lane: usize, column: usize) -> Address {
         let table = u8::try_from(table).expect("the number of tables was checked");
         let number = i32::try_from(lane * width + column).expect("lengths were checked");
-        Address::new(Base::Table(table), number * self.size, Extent::Register)
+        Address::new(Base::Table(table), number * self.size, LoadExtent::Register)
     }
 
     /// The first columns of the tiles that cover a row.

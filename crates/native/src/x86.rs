@@ -14,7 +14,7 @@ use self::encoder::{Encoder, Lanes};
 use self::prefix::{LastOperand, Opcode};
 
 use crate::instruction::{FusedForm, Instruction, Register, Source};
-use crate::list::{Address, Base, Binary, Extent};
+use crate::list::{Address, Base, Binary, LoadExtent};
 use crate::target::Target;
 
 /// The offset of the pointers to constants and scratch memory, so that more of both is within the reach of a
@@ -92,7 +92,7 @@ impl Encoder {
     fn instruction(&mut self, instruction: Instruction) {
         match instruction {
             Instruction::Pointer(number) => self.pointer(R11, usize::from(number)),
-            Instruction::Load { to, from } if from.extent == Extent::Broadcast => {
+            Instruction::Load { to, from } if from.extent == LoadExtent::Broadcast => {
                 let opcode =
                     Opcode { is_scalar: true, ..self.opcode_by_type(2, 1, [0x19, 0x18]).without_vex_w() };
                 self.emit(opcode, to, 0, Self::place(Source::Memory(from)).without_broadcast());
@@ -269,8 +269,8 @@ impl Encoder {
     }
 
     /// A load or store of one number or of a whole register.
-    fn move_opcode(&self, byte: u8, extent: Extent) -> Opcode {
-        if extent == Extent::Register { self.packed(byte) } else { self.arithmetic(byte) }
+    fn move_opcode(&self, byte: u8, extent: LoadExtent) -> Opcode {
+        if extent == LoadExtent::Register { self.packed(byte) } else { self.arithmetic(byte) }
     }
 
     /// An instruction with opcodes for doubles and singles.
@@ -285,7 +285,7 @@ impl Encoder {
             Source::Register(register) => LastOperand::Register(register),
             Source::Memory(address) => {
                 let (base, bias) = base(address);
-                let is_broadcast = address.extent == Extent::Broadcast;
+                let is_broadcast = address.extent == LoadExtent::Broadcast;
                 LastOperand::Memory { base, offset: address.offset - bias, is_broadcast }
             }
         }

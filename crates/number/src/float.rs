@@ -89,7 +89,10 @@ macro_rules! float {
                     return None;
                 }
                 #[cfg(registers)]
-                return Some(StateMemory { memory: state::Memory::$variant(Box::new(M::new(input))), set });
+                return Some(StateMemory {
+                    memory: state::StateVariants::$variant(Box::new(M::new(input))),
+                    set,
+                });
                 #[cfg(not(registers))]
                 {
                     let _ = input;
@@ -102,14 +105,14 @@ macro_rules! float {
                 #[cfg(registers)]
                 match &mut state.memory {
                     // SAFETY: the set was detected on this machine before the memory was allocated.
-                    state::Memory::$variant(memory) => unsafe {
+                    state::StateVariants::$variant(memory) => unsafe {
                         state::run_on::<M, Self, _, K>(state.set, kernel, memory);
                     },
                     _ => panic_for_other_float::<Self>(),
                 }
                 #[cfg(not(registers))]
                 match state.memory {
-                    state::Memory::Never(never, _) => {
+                    state::StateVariants::Never(never, _) => {
                         let _ = kernel;
                         match never {}
                     }
@@ -120,27 +123,29 @@ macro_rules! float {
             fn new_lanes<M: Storage>(limit: InstructionSet, input: M::Input<'_>) -> LaneMemory<M> {
                 LaneMemory(match InstructionSet::best_up_to(limit) {
                     #[cfg(target_arch = "x86_64")]
-                    InstructionSet::Avx512 => lanes::Memory::$wide(Box::new(M::new(input))),
+                    InstructionSet::Avx512 => lanes::LaneVariants::$wide(Box::new(M::new(input))),
                     #[cfg(target_arch = "x86_64")]
-                    InstructionSet::Avx2 => lanes::Memory::$narrow(Box::new(M::new(input))),
+                    InstructionSet::Avx2 => lanes::LaneVariants::$narrow(Box::new(M::new(input))),
                     #[cfg(target_arch = "aarch64")]
-                    InstructionSet::Neon => lanes::Memory::$narrow(Box::new(M::new(input))),
+                    InstructionSet::Neon => lanes::LaneVariants::$narrow(Box::new(M::new(input))),
                     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-                    InstructionSet::Simd128 => lanes::Memory::$narrow(Box::new(M::new(input))),
-                    _ => lanes::Memory::$variant(Box::new(M::new(input))),
+                    InstructionSet::Simd128 => lanes::LaneVariants::$narrow(Box::new(M::new(input))),
+                    _ => lanes::LaneVariants::$variant(Box::new(M::new(input))),
                 })
             }
 
             #[inline(always)]
             fn run_lanes<M: Storage, K: LaneKernel<M, Self>>(memory: &mut LaneMemory<M>, kernel: K) {
                 match &mut memory.0 {
-                    lanes::Memory::$variant(memory) => lanes::run_portable::<M, Self>(memory, kernel),
+                    lanes::LaneVariants::$variant(memory) => lanes::run_portable::<M, Self>(memory, kernel),
                     // SAFETY: `new_lanes` detected these instructions on this machine.
                     #[cfg(registers)]
-                    lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<M, _>(memory, kernel) },
+                    lanes::LaneVariants::$narrow(memory) => unsafe {
+                        lanes::run_narrow::<M, _>(memory, kernel)
+                    },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
-                    lanes::Memory::$wide(memory) => unsafe { lanes::run_wide::<M, _>(memory, kernel) },
+                    lanes::LaneVariants::$wide(memory) => unsafe { lanes::run_wide::<M, _>(memory, kernel) },
                     _ => panic_for_other_float::<Self>(),
                 }
             }

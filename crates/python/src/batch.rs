@@ -26,14 +26,14 @@ const CHUNK_SECONDS: f64 = 0.1;
 const STATES_PER_PIECE: usize = 32;
 
 /// The states' rows of one operand.
-pub(crate) enum Rows<'a, T> {
+pub(crate) enum OperandRows<'a, T> {
     /// A row a state.
     Own(&'a [T]),
     /// One row for all states, repeated for each state of the largest chunk so far.
     One { row: &'a [T], repeated: Vec<T> },
 }
 
-impl<'a, T: Number> Rows<'a, T> {
+impl<'a, T: Number> OperandRows<'a, T> {
     /// The rows of an operand: of each state, or one for all.
     pub(crate) fn of(numbers: &'a [T], are_own: bool) -> Self {
         if are_own { Self::Own(numbers) } else { Self::One { row: numbers, repeated: Vec::new() } }
@@ -63,7 +63,7 @@ pub(crate) fn run<T: Number>(
     row: &Row,
     frames: &[FrameId],
     states: usize,
-    mut operands: [Rows<'_, T>; 4],
+    mut operands: [OperandRows<'_, T>; 4],
     mut results: [&mut [T]; MOST_RESULTS],
     threads: usize,
 ) -> PyResult<Vec<usize>> {

@@ -3,12 +3,12 @@
 use pyo3::prelude::*;
 use robot_dynamics::model::FrameId;
 
-use crate::batch::{self, Rows};
+use crate::batch::{self, OperandRows};
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};
 use crate::number::Number;
 use crate::operand::{ArrayArgument, common_kind, common_lead, given, shown, spread};
-use crate::outcome::{Outcome, bad_states};
+use crate::outcome::{OutputArrays, bad_states};
 use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::row::{Row, Width};
@@ -55,14 +55,14 @@ fn with_care<'py>(
     for given in &mut all {
         spread(py, given, &lead)?;
     }
-    let call = Call { py, robot, row, frames, all, lead, out, threads };
+    let call = MethodCall { py, robot, row, frames, all, lead, out, threads };
     match common_kind(py, &call.all)? {
         Kind::F32 => call.run::<f32>(),
         Kind::F64 | Kind::Other => call.run::<f64>(),
     }
 }
 
-struct Call<'a, 'py> {
+struct MethodCall<'a, 'py> {
     py: Python<'py>,
     robot: &'a Robot,
     row: &'a Row,
@@ -73,10 +73,10 @@ struct Call<'a, 'py> {
     threads: Option<usize>,
 }
 
-impl<'py> Call<'_, 'py> {
+impl<'py> MethodCall<'_, 'py> {
     fn run<T: Number>(self) -> PyResult<Bound<'py, PyAny>> {
         let Self { py, robot, row, frames, ref lead, out, .. } = self;
-        let mut outcome = Outcome::of::<T>(py, &robot.model, row, frames.len(), lead, out)?;
+        let mut outcome = OutputArrays::of::<T>(py, &robot.model, row, frames.len(), lead, out)?;
         let mut computed = self.compute::<T>(&outcome.arrays)?;
         if computed.is_none() {
             outcome.set_apart::<T>(py);
@@ -136,7 +136,7 @@ impl<'py> Call<'_, 'py> {
             let are_own =
                 self.all.get(k).is_none_or(|given| given.lead().iter().product::<usize>() == states);
             k += 1;
-            Rows::of(numbers, are_own)
+            OperandRows::of(numbers, are_own)
         });
         batch::run(self.py, self.robot, self.row, self.frames, states, operands, results, threads)
     }

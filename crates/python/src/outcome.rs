@@ -39,7 +39,7 @@ pub(crate) fn bad_states<'py>(
 }
 
 /// The arrays that a call writes into, and the arrays of `out=`.
-pub(crate) struct Outcome<'py> {
+pub(crate) struct OutputArrays<'py> {
     /// An array for each result, which the algorithm writes.
     pub(crate) arrays: Vec<Bound<'py, PyAny>>,
     /// The object given as `out=`, and its arrays.
@@ -48,7 +48,7 @@ pub(crate) struct Outcome<'py> {
     is_apart: bool,
 }
 
-impl<'py> Outcome<'py> {
+impl<'py> OutputArrays<'py> {
     /// Arrays for the results of a batch of these dimensions: those of `out=` if they can be written
     /// directly.
     pub(crate) fn of<T: ArrayNumber>(

@@ -64,7 +64,7 @@ impl Robot {
                 Ok(simulation)
             })
         };
-        let call = Call { py, robot: self, how, each_step, threads, arrays, single: &single };
+        let call = RolloutRequest { py, robot: self, how, each_step, threads, arrays, single: &single };
         let is_f32 = kind == Kind::F32;
         match stepper.row() {
             Some(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(row, states, slices)),
@@ -86,7 +86,7 @@ struct Steps {
     stride: usize,
 }
 
-struct Call<'a, 'py> {
+struct RolloutRequest<'a, 'py> {
     py: Python<'py>,
     robot: &'a Robot,
     how: Steps,
@@ -98,7 +98,7 @@ struct Call<'a, 'py> {
     single: &'a dyn Fn() -> PyResult<Simulation>,
 }
 
-impl<'py> Call<'_, 'py> {
+impl<'py> RolloutRequest<'_, 'py> {
     fn run<T: Number>(
         &self,
         moved_by: impl FnOnce(usize, Slices<'_, T>) -> PyResult<Vec<usize>>,

@@ -68,7 +68,7 @@ impl Robot {
                 all.push(array(name, Width::Nv, object)?);
             }
         }
-        let call = Call {
+        let call = RolloutPullbackRequest {
             py,
             robot: self,
             how,
@@ -133,7 +133,7 @@ impl Robot {
     }
 }
 
-struct Call<'a, 'py> {
+struct RolloutPullbackRequest<'a, 'py> {
     py: Python<'py>,
     robot: &'a Robot,
     how: Rollout,
@@ -145,7 +145,7 @@ struct Call<'a, 'py> {
 }
 
 /// The numbers that a rollout's pullback reads and writes.
-struct Numbers<'a, T> {
+struct PullbackTables<'a, T> {
     q: &'a [T],
     v: &'a [T],
     tau: &'a [T],
@@ -160,7 +160,7 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
     array.and_then(Array::of).unwrap_or(Array::NONE)
 }
 
-impl<'py> Call<'_, 'py> {
+impl<'py> RolloutPullbackRequest<'_, 'py> {
     /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents if there are
     /// any.
     fn run<T: Number>(self, all: &[ArrayArgument<'py>]) -> PyResult<Gradients<'py>> {
@@ -189,7 +189,7 @@ impl<'py> Call<'_, 'py> {
             return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
         };
         let [by_q, by_v, by_tau, parameters] = moved;
-        let numbers = Numbers {
+        let numbers = PullbackTables {
             q: x[0],
             v: x[1],
             tau: x[2],
@@ -218,10 +218,11 @@ impl<'py> Call<'_, 'py> {
     }
 
     /// Computes one state, in float64.
-    fn one<T: Number>(&self, numbers: Numbers<'_, T>) -> PyResult<()> {
+    fn one<T: Number>(&self, numbers: PullbackTables<'_, T>) -> PyResult<()> {
         let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
         let model = &self.robot.model;
-        let Numbers { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } = numbers;
+        let PullbackTables { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } =
+            numbers;
         let (q, v, tau) = (double(q), double(v), double(tau));
         let trajectory = (double(trajectory.0), double(trajectory.1));
         let mut results = [&*by_position, &*by_velocity, &*by_force, &*by_parameters].map(double);
@@ -256,8 +257,9 @@ impl<'py> Call<'_, 'py> {
     }
 
     /// Computes many states. Returns those without a valid gradient; their rows are NaN.
-    fn many<T: Number>(&self, states: usize, numbers: Numbers<'_, T>) -> PyResult<Vec<usize>> {
-        let Numbers { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } = numbers;
+    fn many<T: Number>(&self, states: usize, numbers: PullbackTables<'_, T>) -> PyResult<Vec<usize>> {
+        let PullbackTables { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } =
+            numbers;
         let torques = match (self.has_tau, self.each_step) {
             (false, _) => Torques::Zero,
             (true, true) => Torques::EachStep(tau),

@@ -69,11 +69,11 @@ pub use writer::{Format, write};
 pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
-        Counts, Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
+        Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
         FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
-        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Mimic,
-        ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
-        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
+        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
+        Mimic, ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PolynomialStiffnessDamping,
+        Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
         RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
         SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
         WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,

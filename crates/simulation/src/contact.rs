@@ -76,7 +76,7 @@ use self::contact_geometry::ContactGeometry;
 use self::contact_shape::ContactShape;
 use self::field::PlacedField;
 use self::named_pairs::NamedPairs;
-use self::pair::Pair;
+use self::pair::ShapePair;
 use self::placed_pair::MOST_PAIR_POINTS;
 use self::shape_checks::{described, size_not_finite};
 use crate::placement::Placement;
@@ -118,7 +118,7 @@ pub struct ContactSet {
     links: Vec<String>,
     left_out: Vec<String>,
     /// The named pairs, and the pairs by the rule that were near each other at some time.
-    pairs: Vec<Pair>,
+    pairs: Vec<ShapePair>,
     candidates: Option<Candidates>,
     sweep: Sweep,
     left_out_pairs: Vec<String>,

@@ -69,7 +69,7 @@ mod srdf;
 
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
-pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use robot_dynamics_description::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
 pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
 pub use writer::write;

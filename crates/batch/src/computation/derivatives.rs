@@ -12,7 +12,7 @@ use crate::block::{
 use crate::distribution::for_each_block;
 use crate::kernel_call::call;
 use crate::machine_code::{Number, natively};
-use crate::tables::{Tables, check_table};
+use crate::tables::{InputTables, check_table};
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace};
 
@@ -24,7 +24,7 @@ const BLOCKS_PER_CHUNK: usize = 8;
 pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
-    tables: &Tables<'_, T>,
+    tables: &InputTables<'_, T>,
     results: [&mut [T]; 3],
 ) -> Result<(), BadStates> {
     workspace.check(model);

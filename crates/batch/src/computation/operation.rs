@@ -7,7 +7,7 @@ use crate::bad_states::BadStateSet;
 use crate::block::{self, Operation};
 use crate::distribution::for_each_block;
 use crate::machine_code::{Number, natively};
-use crate::tables::{Tables, check_table};
+use crate::tables::{InputTables, check_table};
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace};
 
@@ -20,7 +20,7 @@ pub(crate) fn compute<T: Float + Number, O: Operation<T>>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     operation: O,
-    tables: &Tables<'_, T>,
+    tables: &InputTables<'_, T>,
     result: &str,
     output: &mut [T],
 ) -> Result<(), BadStates> {

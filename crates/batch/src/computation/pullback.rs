@@ -15,7 +15,7 @@ use crate::block::{
 use crate::distribution::for_each_block;
 use crate::kernel_call::call;
 use crate::machine_code::{Number, natively};
-use crate::tables::{Tables, check_table};
+use crate::tables::{InputTables, check_table};
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace};
 
@@ -28,7 +28,7 @@ const BLOCKS_PER_CHUNK: usize = 16;
 pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
-    tables: &Tables<'_, T, 4>,
+    tables: &InputTables<'_, T, 4>,
     results: [&mut [T]; 5],
 ) -> Result<(), BadStates> {
     workspace.check(model);
@@ -65,7 +65,7 @@ pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
 fn pull_natively<'a, T: Float + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
-    tables: &Tables<'_, T, 4>,
+    tables: &InputTables<'_, T, 4>,
     [acceleration, by_position, by_velocity, by_third, parameters]: [&'a mut [T]; 5],
 ) -> Result<Result<(), BadStates>, [&'a mut [T]; 5]> {
     let again = |block: &mut BlockMemory, rows: [&[T]; 4], results: [&mut [T]; 5]| {

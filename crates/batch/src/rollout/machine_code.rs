@@ -8,7 +8,7 @@ use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
 use super::job::Job;
-use super::outcome::Outcome;
+use super::outcome::StateOutcomes;
 use super::progress::SharedProgress;
 use super::step::{BlockRollout, STEPS_PER_LOOK};
 use super::torques::{PolicyInput, Torques};
@@ -26,7 +26,7 @@ pub(super) fn move_natively<'a, T: Float + Number>(
     (rollout, stages): (&Rollout, &[Stage]),
     torques: Torques<'_, T>,
     tables: [&'a mut [T]; 4],
-    (shared, outcome): (&SharedProgress<'_>, &Outcome),
+    (shared, outcome): (&SharedProgress<'_>, &StateOutcomes),
 ) -> Result<(), [&'a mut [T]; 4]> {
     let step = NativeFunction::step(rollout.integrator, rollout.dissipation);
     let kernel = step.and_then(|step| machine_code::kernel(model, workspace, step));
@@ -55,7 +55,7 @@ struct KernelSteps<'a, T> {
 }
 
 /// The numbers of all states of a job, state by state.
-struct Numbers<'m, T> {
+struct JobNumbers<'m, T> {
     q: &'m mut [T],
     v: &'m mut [T],
     /// The state after a step.
@@ -67,7 +67,7 @@ struct Numbers<'m, T> {
     scratch: &'m mut [T],
 }
 
-impl<'m, T: Float + Number> Numbers<'m, T> {
+impl<'m, T: Float + Number> JobNumbers<'m, T> {
     fn of(memory: &'m mut Vec<T>, model: &Model, states: usize, scratch: usize) -> Self {
         let (nq, nv) = (model.nq, model.nv);
         block::make_room(memory, states * (2 * nq + 3 * nv + 1) + scratch);
@@ -112,7 +112,7 @@ impl<T: Float + Number> KernelSteps<'_, T> {
         let Self { kernel, model, rollout, torques, .. } = self;
         let (nv, states) = (model.nv, job.states);
         let ThreadMemory { block, native } = memory;
-        let mut numbers = Numbers::of(native, model, states, kernel.scratch_len());
+        let mut numbers = JobNumbers::of(native, model, states, kernel.scratch_len());
         numbers.q.copy_from_slice(job.q);
         numbers.v.copy_from_slice(job.v);
         numbers.h.fill(T::from_f64(rollout.step));
@@ -143,9 +143,9 @@ impl<T: Float + Number> KernelSteps<'_, T> {
     }
 
     /// Sets the torques of step `done` that change from step to step.
-    fn set_torques(&self, job: &Job<'_, T>, done: usize, numbers: &mut Numbers<'_, T>) {
+    fn set_torques(&self, job: &Job<'_, T>, done: usize, numbers: &mut JobNumbers<'_, T>) {
         let (nv, states) = (self.model.nv, job.states);
-        let Numbers { q, v, tau, .. } = numbers;
+        let JobNumbers { q, v, tau, .. } = numbers;
         match self.torques {
             Torques::Zero | Torques::Held(_) => {}
             Torques::EachStep(table) => {
@@ -163,9 +163,9 @@ impl<T: Float + Number> KernelSteps<'_, T> {
 
     /// Takes one step of all states. States with an angle outside the range of the kernel's sine use the
     /// recursion.
-    fn step(&self, block: &mut BlockMemory, states: usize, numbers: &mut Numbers<'_, T>) {
+    fn step(&self, block: &mut BlockMemory, states: usize, numbers: &mut JobNumbers<'_, T>) {
         let (nq, nv) = (self.model.nq, self.model.nv);
-        let Numbers { q, v, q_end, v_end, tau, h, scratch } = numbers;
+        let JobNumbers { q, v, q_end, v_end, tau, h, scratch } = numbers;
         let mut far = Vec::new();
         let results = &mut [&mut **q_end, &mut **v_end];
         self.kernel.call_rows(states, &[q, v, tau, h], results, scratch, |state| far.push(state));
@@ -179,7 +179,7 @@ impl<T: Float + Number> KernelSteps<'_, T> {
     }
 
     /// Copies all states to sample `sample` of the trajectories.
-    fn record_sample(&self, job: &mut Job<'_, T>, sample: usize, numbers: &Numbers<'_, T>) {
+    fn record_sample(&self, job: &mut Job<'_, T>, sample: usize, numbers: &JobNumbers<'_, T>) {
         let (nq, nv, samples) = (self.model.nq, self.model.nv, self.rollout.samples());
         for state in 0..job.states {
             let row = state * samples + sample;

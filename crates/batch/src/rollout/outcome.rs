@@ -8,12 +8,12 @@ use crate::bad_states::BadStateSet;
 
 /// The outcome of each state.
 #[derive(Default)]
-pub(super) struct Outcome {
+pub(super) struct StateOutcomes {
     bad: BadStateSet,
     unfinished: Mutex<Vec<usize>>,
 }
 
-impl Outcome {
+impl StateOutcomes {
     /// Records a block that is complete or cancelled, with a bit for each bad state.
     pub(super) fn add(&self, bits: u32, finished: bool, states: Range<usize>) {
         if finished {

@@ -16,7 +16,7 @@ pub use self::inputs::RolloutPullbackInputs;
 #[cfg(feature = "native")]
 use self::machine_code::pull_back_natively;
 use super::error::RolloutError;
-use super::outcome::Outcome;
+use super::outcome::StateOutcomes;
 use super::progress::{RolloutObserver, SharedProgress};
 use super::torques::Torques;
 use crate::distribution::for_each_block;
@@ -77,7 +77,7 @@ pub(crate) fn compute<T: Float + Number>(
         return Ok(());
     }
     let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
-    let outcome = Outcome::default();
+    let outcome = StateOutcomes::default();
     let spacing = rollout.spacing(given.spacing);
     #[cfg(feature = "native")]
     let results = {

@@ -9,7 +9,7 @@ use super::error::RolloutError;
 use super::job::Job;
 #[cfg(feature = "native")]
 use super::machine_code::move_natively;
-use super::outcome::Outcome;
+use super::outcome::StateOutcomes;
 use super::progress::{RolloutObserver, SharedProgress};
 use super::step::BlockRollout;
 use super::torques::Torques;
@@ -77,7 +77,7 @@ pub(crate) fn move_states<T: Float + Number>(
         return Ok(BadStates::unless_empty((0..batch).filter(is_bad).collect(), batch)?);
     }
     let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
-    let outcome = Outcome::default();
+    let outcome = StateOutcomes::default();
     let tables = [q, v, q_trajectory, v_trajectory];
     #[cfg(feature = "native")]
     let tables = {

@@ -5,7 +5,7 @@ use robot_dynamics_number::check_positive;
 use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
 
 use super::error::RolloutError;
-use super::outcome::Outcome;
+use super::outcome::StateOutcomes;
 use super::progress::{RolloutObserver, SharedProgress, UNOBSERVED};
 use super::states::RolloutStates;
 use super::torques::Torques;
@@ -115,7 +115,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
     check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
     torques.check(batch, rollout.steps, nv);
     let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
-    let outcome = Outcome::default();
+    let outcome = StateOutcomes::default();
     for_each_state(
         workspace,
         batch,

@@ -6,7 +6,7 @@ use robot_dynamics::description::Limits;
 use robot_dynamics::model::{Model, Workspace, neutral};
 
 use crate::failure::Failure;
-use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
+use crate::joint_values::{JointNumbers, JointValues, NameOrValues, set};
 
 /// A state, and a text on its choice.
 pub(crate) struct Start {
@@ -29,7 +29,7 @@ impl Start {
         is_let_go: bool,
     ) -> Result<Self, Failure> {
         let mut v = vec![0.0; model.nv()];
-        set(model, "--velocity", velocity, Numbers::Velocity, &mut v)?;
+        set(model, "--velocity", velocity, JointNumbers::Velocity, &mut v)?;
         let must_move = is_let_go && pose.is_empty() && v.iter().all(|&v| v == 0.0);
         let (mut q, mut chosen) = default_pose(model, must_move);
         let mut controls = Vec::new();
@@ -54,7 +54,7 @@ impl Start {
             }
         }
         if !values.is_empty() {
-            set(model, "--pose", &values, Numbers::Configuration, &mut q)?;
+            set(model, "--pose", &values, JointNumbers::Configuration, &mut q)?;
             chosen = format!("as given; other joints: {chosen}");
         }
         if !pose.is_empty()

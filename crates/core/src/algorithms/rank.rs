@@ -6,7 +6,7 @@
 //!
 //! In floating point a vanishing pivot comes out as rounding of either sign. The error of M_ij is about
 //! ε √(Nᵢ Nⱼ). Here Nᵢ ≥ M_ii adds the terms of M_ii without cancellation (see
-//! [`Extent`](crate::workspace::extent::Extent)). The factorization adds at most the same error for each DoF
+//! [`MassExtent`](crate::workspace::extent::MassExtent)). The factorization adds at most the same error for each DoF
 //! on the way. Source: Higham, *Accuracy and Stability of Numerical Algorithms* (2002), thm 10.5. So the
 //! error of dₖ is about ε (Σ |zᵢ| √Nᵢ)², and the motion z has no energy distinguishable from zero if
 //!
@@ -33,7 +33,7 @@ use vanished_pivot::{ROUNDINGS, VanishedPivot};
 use robot_dynamics_description::check_length;
 
 use crate::model::native::NativeFunction;
-use crate::workspace::extent::Scratch;
+use crate::workspace::extent::RankBuffers;
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::TreeMemory;
 use crate::{InstructionSet, Model, MotionError, Workspace, check_configuration};
@@ -99,7 +99,7 @@ pub fn check_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> Result
 fn refuse_singular(
     model: &Model,
     tree: &mut TreeMemory<f64>,
-    scratch: &mut Scratch,
+    scratch: &mut RankBuffers,
     q: &[f64],
 ) -> Result<(), SingularMass> {
     if scratch.has_extents && is_regular_natively(model, tree, scratch, q) {
@@ -114,9 +114,14 @@ fn refuse_singular(
 }
 
 /// Whether machine code finds pivots that prove M regular. N of each DoF is known from a previous call.
-fn is_regular_natively(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch, q: &[f64]) -> bool {
+fn is_regular_natively(
+    model: &Model,
+    tree: &mut TreeMemory<f64>,
+    scratch: &mut RankBuffers,
+    q: &[f64],
+) -> bool {
     check_length("q", q.len(), model.nq);
-    let Scratch { inverse, root, .. } = scratch;
+    let RankBuffers { inverse, root, .. } = scratch;
     let function = NativeFunction::InversePivots;
     computed_natively(model, &mut tree.native, function, &[q], &mut [&mut inverse[..]])
         && are_regular(inverse, root)
@@ -147,7 +152,7 @@ pub fn constant_extents(model: &Model) -> Option<Vec<f64>> {
 fn for_each_vanished(
     model: &Model,
     tree: &mut TreeMemory<f64>,
-    scratch: &mut Scratch,
+    scratch: &mut RankBuffers,
     q: &[f64],
     roundings: f64,
     on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
@@ -208,7 +213,7 @@ impl Model {
     /// [`Model::check_rank`] for a q that is already checked.
     pub fn check_mass(&self, q: &[f64]) -> Result<(), MotionError> {
         let mut tree = TreeMemory::limited(self, &[], InstructionSet::best());
-        Ok(refuse_singular(self, &mut tree, &mut Scratch::new(self), q)?)
+        Ok(refuse_singular(self, &mut tree, &mut RankBuffers::new(self), q)?)
     }
 
     /// The joints that move no inertia along one of their axes in any pose, in the order of

@@ -14,7 +14,7 @@ use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::MassFlux;
 use crate::spatial::motion::MotionVector;
-use crate::workspace::derivatives::Scratch;
+use crate::workspace::derivatives::DerivativeBuffers;
 use crate::workspace::motion_derivatives::MotionDerivatives;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, TreeMemory, WorldFrameBuffers};
 
@@ -200,7 +200,7 @@ pub(super) fn bend<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies[..n].iter().enumerate() {
         let (composite, flow, force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
-            let Scratch { motion, paths, .. } = &mut *derivatives;
+            let DerivativeBuffers { motion, paths, .. } = &mut *derivatives;
             let (motion, (block, lane)) = (&motion[dof], paths.seat(dof));
             block.write_motion(lane, motion);
             let mut force_derivative = Branch::new(&composite, &flow, &motion.psi, &motion.psi_prime).above;

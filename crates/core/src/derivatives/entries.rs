@@ -15,7 +15,7 @@ use robot_dynamics_number::Scalar;
 use crate::Model;
 use crate::factorization::tile::by_count;
 use crate::factorization::tree_factor::TreeFactor;
-use crate::workspace::derivatives::Scratch;
+use crate::workspace::derivatives::DerivativeBuffers;
 use crate::workspace::dof_blocks::{DofBlock, LANES, project, turned_about};
 
 /// ∂τ/∂q and ∂τ/∂v, row-major.
@@ -132,8 +132,8 @@ fn put_first<S: Scalar, const COUNT: usize>(from: &[S], to: &mut [S]) {
 
 /// M, armature included: M_ij = S_iᵀ I S_j for each DoF j and its ancestors i.
 #[inline(always)]
-pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
-    let Scratch { paths, mass, .. } = scratch;
+pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut DerivativeBuffers<S>) {
+    let DerivativeBuffers { paths, mass, .. } = scratch;
     if model.needs_dense_factor {
         mass.clear();
     }

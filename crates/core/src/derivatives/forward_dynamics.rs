@@ -18,7 +18,7 @@ use crate::kinematics::placement::{gather, spread};
 use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};
-use crate::workspace::derivatives::Scratch;
+use crate::workspace::derivatives::DerivativeBuffers;
 use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
@@ -62,8 +62,8 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsDerivativesKernel<'_, 
 
 /// Writes ∂τ/∂q and ∂τ/∂v to the workspace.
 #[inline(always)]
-fn write_padded_derivatives<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
-    let Scratch { by_position, by_velocity, paths, .. } = scratch;
+fn write_padded_derivatives<S: Scalar>(model: &Model, scratch: &mut DerivativeBuffers<S>) {
+    let DerivativeBuffers { by_position, by_velocity, paths, .. } = scratch;
     if model.needs_dense_factor {
         by_position.fill([S::zero(); WIDTH]);
         by_velocity.fill([S::zero(); WIDTH]);
@@ -85,7 +85,7 @@ fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &
             *force += stretch.scale(dof.passive.stiffness);
         }
     }
-    let Scratch { mass, vector, .. } = &mut tree.derivatives;
+    let DerivativeBuffers { mass, vector, .. } = &mut tree.derivatives;
     gather(model, &tree.dofs.tau, vector);
     for (x, &tau) in vector.iter_mut().zip(tau) {
         *x = tau - *x;

@@ -11,7 +11,7 @@ use robot_dynamics_number::dispatch::Hardware;
 
 use crate::factorization::tile::{Tile, WIDTH, by_count, each};
 use crate::factorization::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
-use crate::workspace::derivatives::Scratch;
+use crate::workspace::derivatives::DerivativeBuffers;
 use crate::workspace::passes::{Pass, SolvedColumns, TileRange};
 
 /// The indices of the matrices in a row.
@@ -22,12 +22,13 @@ const Z: usize = 2;
 /// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
 #[inline(always)]
 pub(super) fn solve_rows<N: Scalar, H: Hardware>(
-    scratch: &mut Scratch<N>,
+    scratch: &mut DerivativeBuffers<N>,
     by_position: &mut [N],
     by_velocity: &mut [N],
     by_force: &mut [N],
 ) {
-    let Scratch { mass, by_position: x, by_velocity: y, passes, solved, ancestors, unit, .. } = scratch;
+    let DerivativeBuffers { mass, by_position: x, by_velocity: y, passes, solved, ancestors, unit, .. } =
+        scratch;
     let right = RightSides { x, y, unit };
     let mut to = [by_position, by_velocity, by_force];
     let n = mass.len();

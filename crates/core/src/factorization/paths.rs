@@ -17,7 +17,7 @@ mod unsymmetric_factor;
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
 use self::four::in_parts;
-use self::pattern::Row;
+use self::pattern::RowSpan;
 
 pub use self::four::{Four, WIDTH, add, add_three, fours, fours_mut, product, subtract, with_constant};
 pub use self::pattern::{Paths, usual_entries};
@@ -40,7 +40,7 @@ impl Paths {
 
     /// The columns and the entries of row k of a packed matrix, its diagonal last.
     pub fn entries_of<'a>(&'a self, k: usize, m: &'a [f64]) -> (&'a [usize], &'a [f64]) {
-        let Row { begin, diagonal } = self.rows[k];
+        let RowSpan { begin, diagonal } = self.rows[k];
         (&self.columns[begin..=diagonal], &m[begin..=diagonal])
     }
 

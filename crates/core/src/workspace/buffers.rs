@@ -30,7 +30,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub tree: TreeMemory<S>,
     pub dense: DenseBuffers<S>,
     /// Scratch for the rank check.
-    pub rank: extent::Scratch,
+    pub rank: extent::RankBuffers,
     /// The newest instructions of the tree's memory, if the matrices are not allocated yet.
     without_matrices: Option<InstructionSet>,
 }
@@ -78,7 +78,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     fn over(model: &Model, tree: TreeMemory<S>, dense: DenseBuffers<S>) -> Self {
-        let rank = extent::Scratch::new(model);
+        let rank = extent::RankBuffers::new(model);
         Self { robot: model.identity.clone(), tree, dense, rank, without_matrices: None }
     }
 

@@ -10,9 +10,9 @@ use crate::workspace::dof_blocks::Paths;
 use crate::workspace::motion_derivatives::MotionDerivatives;
 use crate::workspace::passes::{Pass, SolvedColumns, passes};
 
-/// Scratch for the derivatives.
+/// Buffers for the derivatives.
 #[derive(Clone, Debug)]
-pub struct Scratch<S: Scalar> {
+pub struct DerivativeBuffers<S: Scalar> {
     pub motion: Vec<MotionDerivatives<S>>,
     pub paths: Paths<S>,
     pub mass: TreeFactor<S>,
@@ -30,7 +30,7 @@ pub struct Scratch<S: Scalar> {
     pub unit: [S; 2 * WIDTH],
 }
 
-impl<S: Scalar> Scratch<S> {
+impl<S: Scalar> DerivativeBuffers<S> {
     /// `dof_parent` is λ of each coordinate; if it is empty, there is no memory for matrices.
     pub fn new(model: &Model, dof_parent: &[usize]) -> Self {
         let (dofs, nv) = (model.dofs.len(), dof_parent.len());

@@ -12,7 +12,7 @@ use crate::model::Body;
 /// They give N of a DoF. The true moment about an axis can be far smaller, for example if an arm is folded
 /// back onto the axis. The terms of its sum are as large as N, and so is their rounding.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub struct MassExtent {
     /// m \[kg\].
     pub mass: f64,
     /// H \[kg·m\].
@@ -23,7 +23,7 @@ pub struct Extent {
     pub least: f64,
 }
 
-impl Extent {
+impl MassExtent {
     /// The extent of one body.
     fn of(body: &Body) -> Self {
         let norm = |entries: &[f64]| entries.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -54,11 +54,11 @@ impl Extent {
 
 /// The memory of the rank check.
 #[derive(Clone, Debug)]
-pub struct Scratch {
+pub struct RankBuffers {
     /// Each body alone.
-    pub own: Vec<Extent>,
+    pub own: Vec<MassExtent>,
     /// Each body with its subtree.
-    pub extent: Vec<Extent>,
+    pub extent: Vec<MassExtent>,
     /// |p|: the distance of each body's origin from its parent's.
     pub distance: Vec<f64>,
     /// √Nₖ of each DoF of the tree.
@@ -78,10 +78,10 @@ pub struct Scratch {
     pub matrix: Vec<f64>,
 }
 
-impl Scratch {
+impl RankBuffers {
     pub fn new(model: &Model) -> Self {
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
-        let own: Vec<Extent> = model.bodies.iter().map(Extent::of).collect();
+        let own: Vec<MassExtent> = model.bodies.iter().map(MassExtent::of).collect();
         let reduced = if model.needs_dense_factor { model.nv } else { 0 };
         Self {
             extent: own.clone(),

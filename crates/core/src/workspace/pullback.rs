@@ -6,9 +6,9 @@ use crate::Model;
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::MotionVector;
 
-/// Scratch for vector-Jacobian products: three six-vectors per body.
+/// Buffers for vector-Jacobian products: three six-vectors per body.
 #[derive(Clone, Debug)]
-pub struct Scratch<S: Scalar> {
+pub struct PullbackBuffers<S: Scalar> {
     /// L = Σ S λ over the DoFs from the root to the body: its velocity if λ were the velocity.
     pub(crate) shadow: Vec<MotionVector<S>>,
     /// P = Σ I L over the body's subtree.
@@ -17,7 +17,7 @@ pub struct Scratch<S: Scalar> {
     pub drift: Vec<ForceVector<S>>,
 }
 
-impl<S: Scalar> Scratch<S> {
+impl<S: Scalar> PullbackBuffers<S> {
     pub fn new(model: &Model) -> Self {
         let (shadow, forces) = (MotionVector::zero(), vec![ForceVector::zero(); model.bodies.len()]);
         Self { shadow: vec![shadow; model.bodies.len()], momentum: forces.clone(), drift: forces }

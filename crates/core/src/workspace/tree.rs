@@ -11,7 +11,7 @@ use crate::spatial::inertia::{ArticulatedInertia, DofElimination, MassFlux, Spat
 use crate::spatial::motion::{AxisMotion, BodyMotion, MotionVector};
 use crate::spatial::transform::Transform;
 use crate::workspace::branch_block::BranchBlock;
-use crate::workspace::derivatives::Scratch;
+use crate::workspace::derivatives::DerivativeBuffers;
 use crate::workspace::momentum_block::momentum_blocks;
 use crate::workspace::native::NativeScratch;
 use crate::workspace::pullback;
@@ -29,8 +29,8 @@ pub struct TreeMemory<S: Scalar> {
     pub world: WorldFrameBuffers<S>,
     pub inertias: Inertias<S>,
     pub blocks: Blocks<S>,
-    pub derivatives: Scratch<S>,
-    pub pullback: pullback::Scratch<S>,
+    pub derivatives: DerivativeBuffers<S>,
+    pub pullback: pullback::PullbackBuffers<S>,
 }
 
 /// [`TreeMemory`] over any scalar type.
@@ -213,8 +213,8 @@ impl<S: Scalar> TreeMemory<S> {
                 rows: filled(zero, 6 * dofs),
                 branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
             },
-            derivatives: Scratch::new(model, dof_parent),
-            pullback: pullback::Scratch::new(model),
+            derivatives: DerivativeBuffers::new(model, dof_parent),
+            pullback: pullback::PullbackBuffers::new(model),
         }
     }
 }

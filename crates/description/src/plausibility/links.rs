@@ -56,7 +56,7 @@ impl LinkStatistics {
 
 /// The distance that a link extends from its frame's origin \[m\].
 #[derive(Clone, Copy, Default)]
-struct Extent {
+struct LinkExtent {
     joints: f64,
     shapes: f64,
 }
@@ -66,7 +66,7 @@ impl RobotStatistics {
     pub fn new(description: &RobotDescription) -> Self {
         let index: HashMap<&str, usize> =
             description.links.iter().enumerate().map(|(i, link)| (link.name.as_str(), i)).collect();
-        let mut extents = vec![Extent::default(); description.links.len()];
+        let mut extents = vec![LinkExtent::default(); description.links.len()];
         let mut children = vec![Vec::new(); description.links.len()];
         let mut is_child = vec![false; description.links.len()];
         let mut is_moved = vec![false; description.links.len()];
@@ -139,7 +139,7 @@ impl Volume {
 }
 
 /// The longest path from a root along the joints' offsets, including the shapes of the last link.
-fn longest_path(children: &[Vec<(usize, f64)>], is_child: &[bool], extents: &[Extent]) -> f64 {
+fn longest_path(children: &[Vec<(usize, f64)>], is_child: &[bool], extents: &[LinkExtent]) -> f64 {
     let mut pending: Vec<(usize, f64)> =
         (0..children.len()).filter(|&link| !is_child[link]).map(|root| (root, 0.0)).collect();
     let mut seen = vec![false; children.len()];

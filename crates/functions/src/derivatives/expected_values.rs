@@ -5,7 +5,7 @@ use robot_dynamics_number::Dual;
 
 use crate::call::call;
 use crate::function::DerivativeKind;
-use crate::{Function, FunctionError, Outcome};
+use crate::{Function, FunctionError, FunctionResult};
 
 /// The derivatives of a function in one state. For a pullback the last argument is the cotangent.
 ///
@@ -31,7 +31,7 @@ pub(crate) fn derivatives_by_dual_numbers(
                 (0..directions).map(|i| f64::from(u8::from(i == direction))).collect()
             };
             given[at].iter_mut().zip(change).for_each(|(x, change)| x.gradient = [change]);
-            let of_result = |(found, outcome): (&Vec<Dual<f64, 1>>, &Outcome)| {
+            let of_result = |(found, outcome): (&Vec<Dual<f64, 1>>, &FunctionResult)| {
                 let change: Vec<f64> = found.iter().map(|x| x.gradient[0]).collect();
                 let value: Vec<f64> = found.iter().map(|x| x.value).collect();
                 if outcome.name == "q_next" { displacement(model, &value, &change) } else { change }

@@ -73,7 +73,7 @@ impl Size {
 }
 
 /// An argument: its name, its size, its unit.
-pub(crate) type Row = (&'static str, Size, &'static str);
+pub(crate) type ArgumentRow = (&'static str, Size, &'static str);
 
 /// A result: its name, its rows and columns (row-major), its meaning.
 pub(crate) type Matrix = (&'static str, Size, Size, &'static str);
@@ -91,7 +91,8 @@ pub struct Argument {
 
 /// A result of a function of one robot, a matrix by rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outcome {
+#[doc(alias = "Outcome")]
+pub struct FunctionResult {
     /// Its name.
     pub name: &'static str,
     /// Its rows.
@@ -102,12 +103,12 @@ pub struct Outcome {
     pub what: &'static str,
 }
 
-const Q: Row = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
-const V: Row = ("v", Size::Nv, "velocity [rad/s, m/s]");
-const A: Row = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
-const TAU: Row = ("tau", Size::Nv, "generalized force [N·m, N]");
-const H: Row = ("h", Size::One, "the step [s]");
-const COTANGENT: Row = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
+const Q: ArgumentRow = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
+const V: ArgumentRow = ("v", Size::Nv, "velocity [rad/s, m/s]");
+const A: ArgumentRow = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
+const TAU: ArgumentRow = ("tau", Size::Nv, "generalized force [N·m, N]");
+const H: ArgumentRow = ("h", Size::One, "the step [s]");
+const COTANGENT: ArgumentRow = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
 
 const fn vector(name: &'static str, what: &'static str) -> Matrix {
     (name, Size::Nv, Size::One, what)
@@ -231,7 +232,7 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn arguments(&self, model: &Model) -> Vec<Argument> {
-        let argument = |(name, size, unit): Row| Argument { name, length: size.of(model), unit };
+        let argument = |(name, size, unit): ArgumentRow| Argument { name, length: size.of(model), unit };
         self.rows_of_arguments().into_iter().map(argument).collect()
     }
 
@@ -246,8 +247,8 @@ impl Function {
     /// assert_eq!((mass.name, mass.rows, mass.columns), ("mass", 1, 1));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn results(&self, model: &Model) -> Vec<Outcome> {
-        let outcome = |(name, rows, columns, what): Matrix| Outcome {
+    pub fn results(&self, model: &Model) -> Vec<FunctionResult> {
+        let outcome = |(name, rows, columns, what): Matrix| FunctionResult {
             name,
             rows: rows.of(model),
             columns: columns.of(model),
@@ -256,7 +257,7 @@ impl Function {
         self.matrices().into_iter().map(outcome).collect()
     }
 
-    pub(crate) fn rows_of_arguments(&self) -> Vec<Row> {
+    pub(crate) fn rows_of_arguments(&self) -> Vec<ArgumentRow> {
         let Some((function, kind)) = self.derivative_of() else {
             return self.plain_arguments().to_vec();
         };
@@ -269,11 +270,11 @@ impl Function {
     }
 
     /// The arguments to differentiate with respect to, all except the length of a step, and their indices.
-    pub(crate) fn varied_arguments(&self) -> impl Iterator<Item = (usize, Row)> + use<> {
+    pub(crate) fn varied_arguments(&self) -> impl Iterator<Item = (usize, ArgumentRow)> + use<> {
         self.rows_of_arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
     }
 
-    fn plain_arguments(&self) -> &'static [Row] {
+    fn plain_arguments(&self) -> &'static [ArgumentRow] {
         match self {
             Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another function"),
             Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::JointTorqueRegressor => {
@@ -317,7 +318,7 @@ impl Function {
             }
             DerivativeKind::Pullback => (None, "the gradient"),
         };
-        let by = |(_, (name, size, _)): (usize, Row)| {
+        let by = |(_, (name, size, _)): (usize, ArgumentRow)| {
             let size = size.of_changes();
             rows.map_or((derivative_name(name), size, Size::One, what), |rows| {
                 (derivative_name(name), rows, size, what)

@@ -53,7 +53,7 @@ struct Interval {
 }
 
 /// All blocks, and the slots of operations in them.
-pub(crate) struct Memory<'a> {
+pub(crate) struct ProgramMemory<'a> {
     order: &'a [usize],
     repetitions: &'a [Repetition],
     loop_positions: &'a [Option<LoopPosition>],
@@ -69,7 +69,7 @@ pub(crate) struct Memory<'a> {
     copies: HashMap<usize, Vec<(usize, isize, usize)>>,
 }
 
-impl<'a> Memory<'a> {
+impl<'a> ProgramMemory<'a> {
     pub(crate) fn new(
         order: &'a [usize],
         repetitions: &'a [Repetition],
@@ -327,13 +327,13 @@ mod tests {
     }
 
     /// A loop of three operations and four iterations, operations 0 to 11; operations 12 to 14 are straight.
-    fn with_memory(check: impl FnOnce(&mut Memory<'_>)) {
+    fn with_memory(check: impl FnOnce(&mut ProgramMemory<'_>)) {
         let order: Vec<usize> = (0..15).collect();
         let repetitions = [Repetition { start: 0, period: 3, iterations: 4 }];
         let position = |node: usize| LoopPosition { number: 0, offset: node % 3, iteration: node / 3 };
         let positions: Vec<_> = order.iter().map(|&node| (node < 12).then(|| position(node))).collect();
         let segments: Vec<usize> = order.iter().map(|&node| usize::from(node >= 12)).collect();
-        check(&mut Memory::new(&order, &repetitions, &positions, &segments));
+        check(&mut ProgramMemory::new(&order, &repetitions, &positions, &segments));
     }
 
     /// Values of one operation of a loop, forward or backward, are a row of the loop's block.

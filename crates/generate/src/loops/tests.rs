@@ -114,7 +114,7 @@ impl Evaluation<'_> {
     }
 
     /// Evaluates an operation of a loop; `local` has the values of the iteration.
-    fn step(&mut self, step: &Step, iteration: usize, carried: &[f64], local: &mut [f64]) {
+    fn step(&mut self, step: &LoopStep, iteration: usize, carried: &[f64], local: &mut [f64]) {
         let operation = self.graph.nodes[step.node];
         let read = |(read, operand): (&LoopOperand, Operand)| {
             let x = match read {

@@ -9,7 +9,7 @@ use crate::generated_files::GeneratedFile;
 use crate::heading::{about, first_line, lines};
 use crate::jacobian::jacobian;
 use crate::layout::Layout;
-use crate::program::{Outcome, Program};
+use crate::program::{Program, ProgramResult};
 use crate::request::Request;
 use crate::syntax::{Helpers, Language, Syntax};
 
@@ -89,7 +89,7 @@ fn by_columns(rows: usize, columns: usize) -> Vec<usize> {
 
 /// The patterns of all results, with rows in their order.
 fn plain(program: &Program) -> Vec<Sparsity> {
-    let of = |(index, x): (usize, &Outcome)| Sparsity::of(program, index, (0..x.rows).collect());
+    let of = |(index, x): (usize, &ProgramResult)| Sparsity::of(program, index, (0..x.rows).collect());
     program.outcomes.iter().enumerate().map(of).collect()
 }
 

@@ -115,7 +115,7 @@ impl DistinctValues {
 }
 
 /// A table: its name, its count of numbers for one state, and how many of them are distinct.
-struct Table<'a> {
+struct LaneTable<'a> {
     name: &'a str,
     width: usize,
     count: usize,
@@ -126,8 +126,8 @@ struct LaneFunction<'a> {
     syntax: Syntax<'a>,
     program: &'a Program,
     distinct: Vec<DistinctValues>,
-    arguments: Vec<Table<'a>>,
-    outcomes: Vec<Table<'a>>,
+    arguments: Vec<LaneTable<'a>>,
+    outcomes: Vec<LaneTable<'a>>,
 }
 
 fn mutable(is_result: bool) -> &'static str {
@@ -139,23 +139,23 @@ impl<'a> LaneFunction<'a> {
         let distinct: Vec<DistinctValues> =
             program.results.iter().map(|result| DistinctValues::of(result)).collect();
         let arguments = (program.arguments.iter())
-            .map(|x| Table { name: x.name, width: x.length, count: x.length })
+            .map(|x| LaneTable { name: x.name, width: x.length, count: x.length })
             .collect();
         let outcomes = (program.outcomes.iter().zip(&distinct))
-            .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.firsts.len() })
+            .map(|(x, distinct)| LaneTable { name: &x.name, width: x.length(), count: distinct.firsts.len() })
             .collect();
         Self { syntax, program, distinct, arguments, outcomes }
     }
 
     /// A text for each table; the second argument of `write` is whether it is a result.
-    fn each(&self, write: &dyn Fn(&Table<'_>, bool) -> String) -> String {
+    fn each(&self, write: &dyn Fn(&LaneTable<'_>, bool) -> String) -> String {
         let read = self.arguments.iter().map(|table| write(table, false));
         read.chain(self.outcomes.iter().map(|table| write(table, true))).collect()
     }
 
     /// The statements that load a block of states.
     fn gather(&self) -> String {
-        let load = |x: &Table<'_>| {
+        let load = |x: &LaneTable<'_>| {
             format!(
                 "                N::gather_first(here, &self.{0}[first * {1}..], {1}, {0});\n",
                 x.name, x.width
@@ -166,7 +166,7 @@ impl<'a> LaneFunction<'a> {
 
     /// The statements that prefetch the rows of results.
     fn fetch(&self) -> String {
-        let fetch = |x: &Table<'_>| {
+        let fetch = |x: &LaneTable<'_>| {
             format!(
                 "                robot_dynamics_number::cache::fetch(self.{0}, first * {1}..(first + here) * {1});\n",
                 x.name, x.width

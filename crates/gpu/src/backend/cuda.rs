@@ -13,7 +13,7 @@ use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
 use robot_dynamics_generate::{GeneratedFiles, Precision, Target};
 
 use self::launch::{Buffer, Launch, locked};
-use super::{Backend, Command, Tables};
+use super::{Backend, Command, TableCounts};
 use crate::{DeviceError, Limits};
 
 /// The default limit on the bytes of a table.
@@ -103,7 +103,12 @@ impl Backend for Cuda {
         self.limits.launch_states.unwrap_or(MAX_STATES).clamp(1, MAX_STATES)
     }
 
-    fn compile(&self, generated: &GeneratedFiles, symbol: &str, tables: Tables) -> Result<Kernel, String> {
+    fn compile(
+        &self,
+        generated: &GeneratedFiles,
+        symbol: &str,
+        tables: TableCounts,
+    ) -> Result<Kernel, String> {
         let file = generated.file("robot.cu").ok_or("no kernels were generated")?;
         let module = self.module(&file.text)?;
         let function = module.load_function(&format!("robot_{symbol}")).map_err(|error| error.to_string())?;

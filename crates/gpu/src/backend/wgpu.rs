@@ -5,7 +5,7 @@ use std::task::{Context, Poll, Waker};
 
 use robot_dynamics_generate::{GeneratedFiles, Precision, Target, WGSL_WORKGROUP};
 
-use super::{Backend, Command, Tables};
+use super::{Backend, Command, TableCounts};
 use crate::{DeviceError, Limits};
 
 /// A device, and the queue of its commands.
@@ -97,7 +97,7 @@ impl Wgpu {
     }
 
     /// The layout of the tables that are read, followed by those that are written.
-    fn layout(&self, tables: Tables) -> wgpu::BindGroupLayout {
+    fn layout(&self, tables: TableCounts) -> wgpu::BindGroupLayout {
         let entry = |binding: usize| wgpu::BindGroupLayoutEntry {
             binding: number(binding),
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -143,7 +143,12 @@ impl Backend for Wgpu {
         self.device.limits().max_compute_workgroups_per_dimension as usize * WGSL_WORKGROUP
     }
 
-    fn compile(&self, generated: &GeneratedFiles, symbol: &str, tables: Tables) -> Result<Kernel, String> {
+    fn compile(
+        &self,
+        generated: &GeneratedFiles,
+        symbol: &str,
+        tables: TableCounts,
+    ) -> Result<Kernel, String> {
         let file = generated.file(&format!("robot_{symbol}.wgsl")).ok_or("no such shader was generated")?;
         let scopes =
             [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation]

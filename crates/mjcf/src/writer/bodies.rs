@@ -6,13 +6,13 @@ use robot_dynamics_description::{Base, JointKind, Pose, Quaternion, Transmission
 use robot_dynamics_xml::excerpt;
 
 use super::MjcfWriter;
-use super::chain::Body;
+use super::chain::WrittenBody;
 
 /// The deepest nesting of bodies, below the limit of MuJoCo's parser.
 const DEPTH_LIMIT: usize = 490;
 
 enum Step {
-    Begin(Body),
+    Begin(WrittenBody),
     End,
 }
 
@@ -66,7 +66,7 @@ impl<'r> MjcfWriter<'r> {
             self.push_children(self.root, true, &named, &mut pending);
         } else {
             let is_fixed_to_world = robot.base == Base::Fixed;
-            pending.push(Step::Begin(Body {
+            pending.push(Step::Begin(WrittenBody {
                 link: self.root,
                 joints: Vec::new(),
                 place: Pose::IDENTITY,
@@ -133,7 +133,7 @@ impl<'r> MjcfWriter<'r> {
         }
     }
 
-    fn write_body(&mut self, body: &Body, has_mass: &[bool]) {
+    fn write_body(&mut self, body: &WrittenBody, has_mass: &[bool]) {
         let link = &self.robot.links[body.link];
         self.xml.start("body").attribute("name", &self.body_names[body.link]);
         self.write_placement(&body.place);

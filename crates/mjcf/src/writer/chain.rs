@@ -11,7 +11,7 @@ use super::MjcfWriter;
 const DOF_LIMIT: usize = 6;
 
 /// A body to be written.
-pub(super) struct Body {
+pub(super) struct WrittenBody {
     pub(super) link: usize,
     /// The joints between its parent and it, in order.
     pub(super) joints: Vec<usize>,
@@ -53,7 +53,12 @@ impl MjcfWriter<'_> {
 
     /// The body after a joint. Joints after links without mass and without references belong to the same
     /// body.
-    pub(super) fn body_of(&mut self, joint: usize, is_fixed_to_world: bool, named: &HashSet<usize>) -> Body {
+    pub(super) fn body_of(
+        &mut self,
+        joint: usize,
+        is_fixed_to_world: bool,
+        named: &HashSet<usize>,
+    ) -> WrittenBody {
         let robot = self.robot;
         let mut joints = vec![joint];
         // The spring of a free body is at rest in the pose of the file.
@@ -93,7 +98,7 @@ impl MjcfWriter<'_> {
         }
         let link = self.link_index[robot.joints[joints[joints.len() - 1]].child.as_str()];
         let moves = joints.iter().any(|&joint| robot.joints[joint].kind != JointKind::Fixed);
-        Body { link, joints, place, is_fixed_to_world: is_fixed_to_world && !moves }
+        WrittenBody { link, joints, place, is_fixed_to_world: is_fixed_to_world && !moves }
     }
 
     fn is_bare(&self, link: usize) -> bool {

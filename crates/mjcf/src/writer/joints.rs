@@ -2,7 +2,7 @@
 
 use robot_dynamics_description::{JointDescription, JointKind, PassiveForces, Pose, SolverImpedance};
 
-use super::chain::Body;
+use super::chain::WrittenBody;
 use super::{MjcfWriter, joint_place};
 
 /// A joint of the file: its type, and its axis in the frame of the joint.
@@ -51,7 +51,7 @@ impl MjcfWriter<'_> {
         joint.kind.positions().iter().map(|position| position.of_joint(&joint.name)).collect()
     }
 
-    pub(super) fn write_joints(&mut self, body: &Body) {
+    pub(super) fn write_joints(&mut self, body: &WrittenBody) {
         let robot = self.robot;
         if body.joints.is_empty() && robot.base == robot_dynamics_description::Base::Floating {
             let name = self.joint_names.unique(&robot.floating_base_name());

@@ -8,7 +8,7 @@ use robot_dynamics_number::InstructionSet;
 
 use super::{assembly, encode};
 use crate::instruction::{FusedForm, Instruction, Source};
-use crate::list::{Address, Base, Binary, Extent};
+use crate::list::{Address, Base, Binary, LoadExtent};
 use crate::target::{Target, Width};
 
 /// LLVM's assembler, of Debian's package `llvm`.
@@ -71,7 +71,7 @@ fn registers(target: Target) -> &'static [u8] {
     }
 }
 
-fn addresses(extent: Extent) -> impl Iterator<Item = Address> {
+fn addresses(extent: LoadExtent) -> impl Iterator<Item = Address> {
     let offsets =
         [0, 4, 8, 16, 24, 248, 256, 260, 1008, 1016, 1024, 4096, 16_380, 16_384, 32_760, 32_768, 65_520];
     let offsets = offsets.into_iter().chain([65_536, 65_540, (1 << 24) - 8, 1 << 24, (1 << 27) + 40]);
@@ -84,13 +84,13 @@ fn loads_and_stores_are_those_of_llvm() {
     for target in targets() {
         let mut instructions = vec![Instruction::Pointer(12), Instruction::Pointer(15)];
         let extents = match target.width {
-            Width::One => [Extent::Number, Extent::Register],
-            Width::Lanes => [Extent::Broadcast, Extent::Register],
+            Width::One => [LoadExtent::Number, LoadExtent::Register],
+            Width::Lanes => [LoadExtent::Broadcast, LoadExtent::Register],
         };
         for &register in registers(target) {
             for address in extents.into_iter().flat_map(addresses) {
                 instructions.push(Instruction::Load { to: register, from: address });
-                if address.extent != Extent::Broadcast {
+                if address.extent != LoadExtent::Broadcast {
                     instructions.push(Instruction::Store { from: register, to: address });
                 }
             }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Lanes, R11, TABLE, base};
 use crate::instruction::{FusedForm, Instruction, Register, Source};
-use crate::list::{Address, Binary, Extent};
+use crate::list::{Address, Binary, LoadExtent};
 use crate::target::Target;
 
 /// Names of the general registers.
@@ -53,7 +53,7 @@ impl Lister {
     fn source(&self, source: Source) -> String {
         match source {
             Source::Register(number) => self.register(number),
-            Source::Memory(address) if address.extent == Extent::Broadcast => {
+            Source::Memory(address) if address.extent == LoadExtent::Broadcast => {
                 format!("{}{{1to{}}}", memory(address), if self.is_double { 8 } else { 16 })
             }
             Source::Memory(address) => memory(address),
@@ -85,7 +85,7 @@ impl Lister {
         self.lanes == Lanes::All
             || registers.iter().any(is_high)
             || matches!(source, Source::Register(register) if register >= 16)
-            || matches!(source, Source::Memory(Address { extent: Extent::Broadcast, .. }))
+            || matches!(source, Source::Memory(Address { extent: LoadExtent::Broadcast, .. }))
     }
 
     fn lines(&self, instruction: Instruction) -> String {
@@ -94,14 +94,14 @@ impl Lister {
             Instruction::Pointer(number) => pointer(R11, usize::from(number)),
             Instruction::Load { to, from } => {
                 let mnemonic = match from.extent {
-                    Extent::Broadcast => format!("vbroadcasts{}", &packed[1..]),
-                    Extent::Register => format!("vmovu{packed}"),
-                    Extent::Number => format!("vmov{suffix}"),
+                    LoadExtent::Broadcast => format!("vbroadcasts{}", &packed[1..]),
+                    LoadExtent::Register => format!("vmovu{packed}"),
+                    LoadExtent::Number => format!("vmov{suffix}"),
                 };
                 format!("{mnemonic} {}, {}", self.register(to), memory(from))
             }
             Instruction::Store { from, to } => {
-                let mnemonic = if to.extent == Extent::Number {
+                let mnemonic = if to.extent == LoadExtent::Number {
                     format!("vmov{suffix}")
                 } else {
                     format!("vmovu{packed}")

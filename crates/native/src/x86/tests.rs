@@ -11,7 +11,7 @@ use robot_dynamics_number::InstructionSet;
 use super::listing::assembly;
 use super::{Encoder, Lanes};
 use crate::instruction::{FusedForm, Instruction, Source};
-use crate::list::{Address, Base, Binary, Extent};
+use crate::list::{Address, Base, Binary, LoadExtent};
 use crate::target::{Target, Width};
 
 /// The operand of `lea` in the listing.
@@ -85,7 +85,7 @@ fn targets() -> Vec<Target> {
 }
 
 /// Addresses with displacements of zero, one and four bytes, with and without EVEX's scaling.
-fn addresses(target: Target, extent: Extent) -> Vec<Address> {
+fn addresses(target: Target, extent: LoadExtent) -> Vec<Address> {
     let offsets = [0, 8, 120, 128, 132, 136, 192, 256, 1144, 1152, 4096, 8256, 8320, 100_000];
     let bases =
         [Base::Constants, Base::Scratch, Base::Table(0), Base::Table(1), Base::Table(3), Base::Table(6)];
@@ -111,17 +111,17 @@ fn registers(target: Target) -> &'static [u8] {
 
 /// Memory operands for numbers of the lanes in use.
 fn numbers_in_memory(target: Target) -> Vec<Source> {
-    let extents: &[Extent] = match (target.width, target.instructions) {
-        (Width::One, _) => &[Extent::Number, Extent::Register],
-        (_, InstructionSet::Avx512) => &[Extent::Register, Extent::Broadcast],
-        _ => &[Extent::Register],
+    let extents: &[LoadExtent] = match (target.width, target.instructions) {
+        (Width::One, _) => &[LoadExtent::Number, LoadExtent::Register],
+        (_, InstructionSet::Avx512) => &[LoadExtent::Register, LoadExtent::Broadcast],
+        _ => &[LoadExtent::Register],
     };
     extents.iter().flat_map(|&extent| addresses(target, extent)).map(Source::Memory).collect()
 }
 
 fn whole_in_memory(target: Target) -> Vec<Source> {
     let is_number =
-        |source: &Source| matches!(source, Source::Memory(address) if address.extent == Extent::Number);
+        |source: &Source| matches!(source, Source::Memory(address) if address.extent == LoadExtent::Number);
     numbers_in_memory(target).into_iter().filter(|source| !is_number(source)).collect()
 }
 
@@ -141,16 +141,16 @@ const BINARIES: [Binary; 9] = [
 fn loads_stores_copies_and_shifts_are_those_of_another_encoder() {
     for target in targets() {
         let mut instructions = vec![Instruction::Pointer(5), Instruction::Pointer(15)];
-        let extents: &[Extent] = match (target.width, target.instructions) {
-            (Width::One, _) => &[Extent::Number, Extent::Register],
-            (_, InstructionSet::Avx512) => &[Extent::Register, Extent::Broadcast],
-            _ => &[Extent::Register],
+        let extents: &[LoadExtent] = match (target.width, target.instructions) {
+            (Width::One, _) => &[LoadExtent::Number, LoadExtent::Register],
+            (_, InstructionSet::Avx512) => &[LoadExtent::Register, LoadExtent::Broadcast],
+            _ => &[LoadExtent::Register],
         };
         for &register in registers(target) {
             for &extent in extents {
                 for address in addresses(target, extent) {
                     instructions.push(Instruction::Load { to: register, from: address });
-                    if extent != Extent::Broadcast {
+                    if extent != LoadExtent::Broadcast {
                         instructions.push(Instruction::Store { from: register, to: address });
                     }
                 }
@@ -185,7 +185,7 @@ fn operations_of_two_values_are_those_of_another_encoder() {
                 crate::list::OperandAccess::Numbers => numbers_in_memory(target),
                 crate::list::OperandAccess::Bits => whole_in_memory(target),
                 crate::list::OperandAccess::Register => {
-                    addresses(target, Extent::Register).into_iter().map(Source::Memory).collect()
+                    addresses(target, LoadExtent::Register).into_iter().map(Source::Memory).collect()
                 }
             };
             for &to in registers(target) {

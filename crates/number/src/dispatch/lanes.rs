@@ -17,10 +17,10 @@ pub trait LaneKernel<M: Storage, T: Scalar> {
 
 /// Memory over as many states as a register of this machine holds, or over one state where it has no
 /// registers.
-pub struct LaneMemory<M: Storage>(pub(crate) Memory<M>);
+pub struct LaneMemory<M: Storage>(pub(crate) LaneVariants<M>);
 
 /// Variants with registers exist only on machines that have them.
-pub(crate) enum Memory<M: Storage> {
+pub(crate) enum LaneVariants<M: Storage> {
     F64(Box<M::Over<f64>>),
     F32(Box<M::Over<f32>>),
     #[cfg(registers)]
@@ -37,30 +37,30 @@ impl<M: Storage> LaneMemory<M> {
     /// The instructions that kernels run on.
     pub fn instruction_set(&self) -> InstructionSet {
         match &self.0 {
-            Memory::F64(_) | Memory::F32(_) => InstructionSet::Portable,
+            LaneVariants::F64(_) | LaneVariants::F32(_) => InstructionSet::Portable,
             #[cfg(target_arch = "x86_64")]
-            Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Avx2,
+            LaneVariants::F64x4(_) | LaneVariants::F32x8(_) => InstructionSet::Avx2,
             #[cfg(target_arch = "aarch64")]
-            Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Neon,
+            LaneVariants::F64x4(_) | LaneVariants::F32x8(_) => InstructionSet::Neon,
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Simd128,
+            LaneVariants::F64x4(_) | LaneVariants::F32x8(_) => InstructionSet::Simd128,
             #[cfg(target_arch = "x86_64")]
-            Memory::F64x8(_) | Memory::F32x16(_) => InstructionSet::Avx512,
+            LaneVariants::F64x8(_) | LaneVariants::F32x16(_) => InstructionSet::Avx512,
         }
     }
 
     /// The number of states.
     pub fn lanes(&self) -> usize {
         match &self.0 {
-            Memory::F64(_) | Memory::F32(_) => 1,
+            LaneVariants::F64(_) | LaneVariants::F32(_) => 1,
             #[cfg(registers)]
-            Memory::F64x4(_) => F64x4::LANES,
+            LaneVariants::F64x4(_) => F64x4::LANES,
             #[cfg(registers)]
-            Memory::F32x8(_) => F32x8::LANES,
+            LaneVariants::F32x8(_) => F32x8::LANES,
             #[cfg(target_arch = "x86_64")]
-            Memory::F64x8(_) => F64x8::LANES,
+            LaneVariants::F64x8(_) => F64x8::LANES,
             #[cfg(target_arch = "x86_64")]
-            Memory::F32x16(_) => F32x16::LANES,
+            LaneVariants::F32x16(_) => F32x16::LANES,
         }
     }
 }

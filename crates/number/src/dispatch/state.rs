@@ -22,19 +22,19 @@ pub trait Kernel<M: Storage, T: Scalar> {
 /// Memory over the machine's own number for `f64` or `f32`. It exists only on machines with such a number.
 #[doc(alias = "OneState")]
 pub struct StateMemory<M: Storage> {
-    pub(crate) memory: Memory<M>,
+    pub(crate) memory: StateVariants<M>,
     /// Detected on this machine before the memory was allocated.
     pub(crate) set: InstructionSet,
 }
 
 #[cfg(registers)]
-pub(crate) enum Memory<M: Storage> {
+pub(crate) enum StateVariants<M: Storage> {
     F64(Box<M::Over<FmaFloat<f64>>>),
     F32(Box<M::Over<FmaFloat<f32>>>),
 }
 
 #[cfg(not(registers))]
-pub(crate) enum Memory<M: Storage> {
+pub(crate) enum StateVariants<M: Storage> {
     /// The target has no such number.
     #[expect(dead_code, reason = "no value has this type")]
     Never(core::convert::Infallible, core::marker::PhantomData<fn() -> M>),
@@ -52,14 +52,14 @@ impl<M: Storage> Clone for StateMemory<M> {
         #[cfg(registers)]
         return Self {
             memory: match &self.memory {
-                Memory::F64(memory) => Memory::F64(memory.clone()),
-                Memory::F32(memory) => Memory::F32(memory.clone()),
+                StateVariants::F64(memory) => StateVariants::F64(memory.clone()),
+                StateVariants::F32(memory) => StateVariants::F32(memory.clone()),
             },
             set: self.set,
         };
         #[cfg(not(registers))]
         match self.memory {
-            Memory::Never(never, _) => match never {},
+            StateVariants::Never(never, _) => match never {},
         }
     }
 }

@@ -214,13 +214,13 @@ unsafe fn call_of<'a>(frame: &'a CallFrame) -> Result<XlaCall<'a>, String> {
 }
 
 /// The work of a handler: it reads and writes the call's arrays, or returns the reason of a failure.
-pub(crate) type Work = fn(XlaCall<'_>) -> Result<(), String>;
+pub(crate) type HandlerFunction = fn(XlaCall<'_>) -> Result<(), String>;
 
 /// Answers a question for metadata, or does the work and turns its failure into XLA's.
 ///
 /// # Safety
 /// The frame is one that XLA calls a handler with.
-pub(super) unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
+pub(super) unsafe fn handle(frame: *mut CallFrame, work: HandlerFunction) -> *mut Failure {
     // SAFETY: XLA's frame and the memory that it points at are valid until the handler returns, and nobody
     // else writes there. An extension of kind `METADATA` is a `MetadataExtension`, whose metadata has at
     // least the fields above.

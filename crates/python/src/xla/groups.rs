@@ -30,7 +30,7 @@ struct Group {
 }
 
 /// The slices that some states read and write, one for each table.
-pub(super) type Tables<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
+pub(super) type StateTables<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
 
 /// The groups of all states; `parameters` are one row for all, or a row each.
 fn groups_of<T: Number>(parameters: Option<&[T]>, count: usize, states: usize) -> Vec<Group> {
@@ -93,9 +93,9 @@ pub(super) fn by_groups<'a, T: Number>(
     robot: &Robot,
     parameters: Option<&[T]>,
     states: usize,
-    (read, mut written): Tables<'a, T>,
+    (read, mut written): StateTables<'a, T>,
     threads: usize,
-    work: impl Fn(&Robot, Tables<'a, T>, usize, usize) -> Result<(), String> + Sync,
+    work: impl Fn(&Robot, StateTables<'a, T>, usize, usize) -> Result<(), String> + Sync,
 ) -> Result<(), String> {
     let count = robot_dynamics::derivatives::parameter_count(&robot.model);
     let mut groups = groups_of(parameters, count, states);
@@ -110,7 +110,7 @@ pub(super) fn by_groups<'a, T: Number>(
         };
     }
     let widths: Vec<usize> = written.iter().map(|table| table.len() / states).collect();
-    let parts: Vec<(Group, Tables<'a, T>)> = groups
+    let parts: Vec<(Group, StateTables<'a, T>)> = groups
         .into_iter()
         .map(|group| {
             let of = |table: &&'a [T]| {
@@ -125,7 +125,7 @@ pub(super) fn by_groups<'a, T: Number>(
             (group, tables)
         })
         .collect();
-    let run = |(group, tables): (Group, Tables<'a, T>)| {
+    let run = |(group, tables): (Group, StateTables<'a, T>)| {
         let own = match &group.parameters {
             Some(parameters) if !is_finite(parameters) => {
                 fill_with_nan(tables.1);

@@ -10,7 +10,7 @@ use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
 
 use super::calls::{NOT_FLOATS, length, parameters_of, robot_of};
-use super::groups::{Tables, by_groups, fill_with_nan};
+use super::groups::{StateTables, by_groups, fill_with_nan};
 
 use crate::ffi::Kind;
 use crate::ffi::xla::XlaCall;
@@ -60,7 +60,7 @@ impl RolloutCall {
     fn run<'a, T: Number>(
         &self,
         mut call: XlaCall<'a>,
-        work: impl Fn(&Self, &Robot, Tables<'a, T>, usize, usize) -> Result<(), String> + Sync,
+        work: impl Fn(&Self, &Robot, StateTables<'a, T>, usize, usize) -> Result<(), String> + Sync,
     ) -> Result<(), String> {
         let has_parameters = call.has_parameters();
         let (mut read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
@@ -68,7 +68,7 @@ impl RolloutCall {
         if self.states == 0 {
             return Ok(());
         }
-        let work = |robot: &Robot, tables: Tables<'a, T>, states, threads| {
+        let work = |robot: &Robot, tables: StateTables<'a, T>, states, threads| {
             work(self, robot, tables, states, threads)
         };
         by_groups(self.robot, parameters, self.states, (read, written), self.threads, work)
@@ -183,7 +183,7 @@ pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
 fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
     RolloutCall::of(&call)?.run(call, |rollout, robot, (read, written), states, threads| {
         // The rows of each state.
-        let mut rows: Vec<Tables<'_, T>> = (0..states).map(|_| (Vec::new(), Vec::new())).collect();
+        let mut rows: Vec<StateTables<'_, T>> = (0..states).map(|_| (Vec::new(), Vec::new())).collect();
         for table in read {
             for (row, part) in rows.iter_mut().zip(table.chunks_exact((table.len() / states).max(1))) {
                 row.0.push(part);
@@ -194,7 +194,7 @@ fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
                 row.1.push(part);
             }
         }
-        let run = |(read, mut written): Tables<'_, T>| {
+        let run = |(read, mut written): StateTables<'_, T>| {
             if tangent_of_one(robot, rollout, &read, &mut written).is_err() {
                 fill_with_nan(written);
             }

@@ -6,7 +6,7 @@ use robot_dynamics_core::Model;
 
 use super::ContactSet;
 use super::candidates::{Candidates, Sweep};
-use super::pair::Pair;
+use super::pair::ShapePair;
 use super::soft::mixed;
 use crate::placement::Placement;
 
@@ -46,19 +46,19 @@ impl ContactSet {
     }
 
     /// Adds a named pair, before all others.
-    pub(super) fn add_named(&mut self, pair: Pair) {
+    pub(super) fn add_named(&mut self, pair: ShapePair) {
         self.enter(self.sweep.named, pair);
         self.sweep.named += 1;
     }
 
-    fn enter(&mut self, number: usize, mut pair: Pair) {
+    fn enter(&mut self, number: usize, mut pair: ShapePair) {
         pair.number = number;
         self.sweep.slots.insert(number, self.pairs.len());
         self.pairs.push(pair);
     }
 
     /// Keeps the pairs that satisfy the condition.
-    pub(super) fn retain_pairs(&mut self, keep: impl Fn(&Self, &Pair) -> bool) {
+    pub(super) fn retain_pairs(&mut self, keep: impl Fn(&Self, &ShapePair) -> bool) {
         let pairs = core::mem::take(&mut self.pairs);
         self.sweep.slots.clear();
         for pair in pairs {
@@ -70,7 +70,7 @@ impl ContactSet {
     }
 
     /// The named pairs.
-    pub(super) fn named_pairs(&self) -> impl Iterator<Item = &Pair> {
+    pub(super) fn named_pairs(&self) -> impl Iterator<Item = &ShapePair> {
         self.pairs.iter().filter(|pair| pair.number < MOST_NAMED)
     }
 
@@ -94,7 +94,7 @@ impl ContactSet {
             return slot;
         }
         let [(one, a), (two, b)] = shapes.map(|index| (index, &self.shapes[index]));
-        let pair = Pair::new(model, [(one, a.body), (two, b.body)], mixed(&a.surface, &b.surface));
+        let pair = ShapePair::new(model, [(one, a.body), (two, b.body)], mixed(&a.surface, &b.surface));
         self.enter(number, pair);
         self.pairs.len() - 1
     }

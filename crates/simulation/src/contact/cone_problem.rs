@@ -78,7 +78,7 @@ use robot_dynamics_core::factorization::sparse;
 use self::block::Block;
 use self::islands::Islands;
 use self::projection::ProjectionDerivative;
-use self::rows::Rows;
+use self::rows::RowGroups;
 use self::shift_search::ShiftSearch;
 use self::sweep_memory::Sweeps;
 use super::interrupt::Interrupt;
@@ -97,7 +97,7 @@ robot_dynamics_core::clone_in_place::clone_in_place! {
         support: Vec<usize>,
         entries: Vec<f64>,
         /// A in the layout of the solver's loops, once all blocks are there.
-        rows: Rows,
+        rows: RowGroups,
         is_arranged: bool,
         /// c₀ of each row.
         pub start: Vec<f64>,
@@ -174,7 +174,7 @@ impl ConeProblem {
             cones: Vec::with_capacity(32),
             support: Vec::with_capacity(32 * n),
             entries: Vec::with_capacity(96 * n),
-            rows: Rows::new(n, 2 * n + 32, 128 * n),
+            rows: RowGroups::new(n, 2 * n + 32, 128 * n),
             is_arranged: false,
             start: rows(),
             multiplier: rows(),

@@ -8,7 +8,7 @@ use robot_dynamics_description::ContactPairDescription;
 use super::ContactSet;
 use super::convex::KNOWN;
 use super::named_pairs::is_ground;
-use super::pair::Pair;
+use super::pair::ShapePair;
 
 impl ContactSet {
     /// Adds the pairs that the description names. Returns their shapes, each pair in increasing order.
@@ -39,7 +39,7 @@ impl ContactSet {
                     } else {
                         if known.insert(shapes) {
                             let [one, two] = [0, 1].map(|k| (shapes[k], bodies[k]));
-                            self.add_named(Pair::new(model, [one, two], pair.surface()));
+                            self.add_named(ShapePair::new(model, [one, two], pair.surface()));
                         }
                         continue;
                     }

@@ -8,7 +8,7 @@ use super::candidates::Candidates;
 use super::closest_points::ClosestPoints;
 use super::components::floating_part;
 use super::ground::{axes, bad_friction, bad_restitution};
-use super::pair::{Pair, PairContacts};
+use super::pair::{PairContacts, ShapePair};
 use super::placed_pair::MOST_PAIR_POINTS;
 use super::placed_shape::PlacedShape;
 use super::shape_point::{ContactPartner, ShapePoint};
@@ -138,7 +138,7 @@ impl ContactSet {
                 if a != b && self.is_known([one, two]) {
                     let mut surface = mixed(&self.shapes[one].surface, &self.shapes[two].surface);
                     surface.friction[0] = friction;
-                    self.add_named(Pair::new(model, [(one, a), (two, b)], surface));
+                    self.add_named(ShapePair::new(model, [(one, a), (two, b)], surface));
                     self.candidates.iter_mut().for_each(|candidates| candidates.exclude_links([one, two]));
                 }
             }

@@ -9,7 +9,7 @@ use super::placed_shape::PlacedShape;
 
 /// Two shapes of links that may touch.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(super) struct ShapePair {
     /// Its number, which is independent of its index among the set's pairs.
     pub(super) number: usize,
     /// The indices of the shapes in the set.
@@ -24,7 +24,7 @@ pub(super) struct Pair {
     pub(super) surface: Surface,
 }
 
-impl Pair {
+impl ShapePair {
     pub(super) fn new(model: &Model, [(one, a), (two, b)]: [(usize, usize); 2], surface: Surface) -> Self {
         let common = model.common_ancestor([a, b]);
         let [own_a, own_b] = [a, b].map(|body| model.coordinates_between(common, body));

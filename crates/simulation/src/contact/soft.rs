@@ -36,7 +36,7 @@ use self::rows::JointRows;
 use self::weights::InverseWeights;
 use super::field::PlacedField;
 use super::interrupt::Interrupt;
-use super::pair::Pair;
+use super::pair::ShapePair;
 use super::shape_point::{ContactPartner, ShapePoint};
 use super::{ConeProblem, ContactError, ContactSet};
 

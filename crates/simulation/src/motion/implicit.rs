@@ -117,7 +117,7 @@ clone_in_place! {
         contacts: Option<ContactImpulses>,
         equalities: Option<Equalities>,
         translations: FreeTranslations,
-        memory: Memory,
+        memory: ImplicitMemory,
         kept: StepSnapshot,
         interrupt: Interrupt,
         /// The start of the step, if the step can be interrupted.
@@ -143,7 +143,7 @@ clone_in_place! {
 clone_in_place! {
     /// Vectors of nv entries.
     #[derive(Debug)]
-    struct Memory {
+    struct ImplicitMemory {
         q_rate: [Vec<f64>; 2],
         acceleration: [Vec<f64>; 2],
         force: Vec<f64>,
@@ -204,7 +204,7 @@ impl ImplicitIntegrator {
             contacts: None,
             equalities: None,
             translations: FreeTranslations::new(model),
-            memory: Memory {
+            memory: ImplicitMemory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
                 force: zeros(),

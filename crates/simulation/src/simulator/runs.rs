@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use robot_dynamics_core::Model;
 
-use super::stepping::Memory;
+use super::stepping::SimulationMemory;
 use super::{Observer, RunOptions, Simulation};
 use crate::motion::simulate::{EventDetector, StepInterpolation};
 use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
@@ -188,7 +188,7 @@ impl Simulation {
             }
             self.check_mass(&run_loop)?;
             let Self { stepper, workspace, run, memory, .. } = self;
-            let Memory { q, v, applied, before, .. } = &mut *memory;
+            let SimulationMemory { q, v, applied, before, .. } = &mut *memory;
             before.copy_from_slice(&run.v);
             let forces = StepForces::new(applied, self.dissipates);
             let looks = (workspace, &mut detector, &mut between);

@@ -3,7 +3,7 @@
 use robot_dynamics_number::check_number;
 
 use super::Simulation;
-use super::stepping::Memory;
+use super::stepping::SimulationMemory;
 use crate::RunError;
 use crate::motion::simulate::{RunLoop, check_input_torque};
 
@@ -22,7 +22,7 @@ impl Simulation {
         memory.applied.copy_from_slice(&memory.tau);
         for wrench in &inputs.wrenches {
             wrench.check(model).map_err(refused)?;
-            let Memory { jacobian, applied, .. } = memory;
+            let SimulationMemory { jacobian, applied, .. } = memory;
             wrench.add_to(model, workspace.dynamics(), &run.q, jacobian, applied);
         }
         if let Some(actuation) = &self.actuation {

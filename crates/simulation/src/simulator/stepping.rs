@@ -60,7 +60,7 @@ pub struct Simulation {
     /// The number of steps in which the torque of each coordinate was clipped.
     pub(super) limited: Vec<usize>,
     pub(super) workspace: StepWorkspace,
-    pub(super) memory: Memory,
+    pub(super) memory: SimulationMemory,
 }
 
 /// External inputs, held until they are changed.
@@ -72,7 +72,7 @@ pub(super) struct Inputs {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Memory {
+pub(super) struct SimulationMemory {
     pub(super) q: Vec<f64>,
     pub(super) v: Vec<f64>,
     /// The mean acceleration of the last step.
@@ -86,7 +86,7 @@ pub(super) struct Memory {
     pub(super) jacobian: Vec<f64>,
 }
 
-impl Memory {
+impl SimulationMemory {
     /// Records the mean acceleration of a step of length h.
     pub(super) fn record_acceleration(&mut self, h: f64) {
         let Self { acceleration, before, v, .. } = self;
@@ -137,7 +137,7 @@ impl Simulation {
         let (run, _) =
             run_loop.open(&mut opened, &mut workspace, (&model.initial_configuration(), &zeros()), 0);
         Self {
-            memory: Memory {
+            memory: SimulationMemory {
                 q: vec![0.0; nq],
                 v: zeros(),
                 acceleration: zeros(),

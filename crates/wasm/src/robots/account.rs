@@ -1,6 +1,6 @@
 //! Named numbers for the page.
 
-use robot_dynamics::description::Counts;
+use robot_dynamics::description::LoadCounts;
 use robot_dynamics::simulation::Losses;
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -119,7 +119,7 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn counts(&self) -> RobotCounts {
         let description = self.model.description();
-        let Counts {
+        let LoadCounts {
             links,
             joints,
             degrees_of_freedom,

@@ -9,7 +9,7 @@ use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Hold, INTERVAL, KEPT, Robot};
-use super::step::Step;
+use super::step::CompletedStep;
 use crate::LabError;
 use crate::input::{finite, not_negative};
 use crate::samples::Samples;
@@ -180,14 +180,14 @@ impl Robot {
     }
 
     /// The step just taken from that state.
-    fn step_from(&self, q: Vec<f64>, v: Vec<f64>) -> Step {
+    fn step_from(&self, q: Vec<f64>, v: Vec<f64>) -> CompletedStep {
         let simulation = &self.simulation;
         let mut tau = simulation.applied_torques().to_vec();
         for (k, tau) in tau.iter_mut().enumerate() {
             *tau += simulation.actuator_torques().get(k).unwrap_or(&0.0);
             *tau += if self.hand.is_some() { self.pull[k] } else { 0.0 };
         }
-        Step { q, v, tau, h: simulation.dt() }
+        CompletedStep { q, v, tau, h: simulation.dt() }
     }
 }
 

@@ -17,7 +17,7 @@ use super::choice::Choice;
 use super::control_line::ControlLine;
 use super::files::RobotFiles;
 use super::hand::Hand;
-use super::step::Step;
+use super::step::CompletedStep;
 use super::text::shown;
 use crate::LabError;
 use crate::samples::Samples;
@@ -55,7 +55,7 @@ pub struct Robot {
     pub(crate) hand: Option<Hand>,
     /// The generalised forces of the hand, nv numbers.
     pub(crate) pull: Vec<f64>,
-    pub(crate) last: Option<Step>,
+    pub(crate) last: Option<CompletedStep>,
     pub(crate) samples: Samples<4>,
 }
 

@@ -2,7 +2,7 @@
 
 /// A completed step.
 #[derive(Clone, Debug)]
-pub(crate) struct Step {
+pub(crate) struct CompletedStep {
     /// q and v before the step.
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,

@@ -12,7 +12,7 @@ use super::bad_rows::spoil;
 use super::inputs::RolloutPullbackInputs;
 use crate::distribution::for_each_part;
 use crate::rollout::machine_code::step_by_recursion;
-use crate::rollout::outcome::Outcome;
+use crate::rollout::outcome::StateOutcomes;
 use crate::rollout::progress::SharedProgress;
 use crate::rollout::torques::Torques;
 use crate::workspace::{BlockMemory, ThreadMemory};
@@ -29,7 +29,7 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
     (rollout, stages, spacing): (&Rollout, &[Stage], usize),
     given: &RolloutPullbackInputs<'_, T>,
     results: [&'a mut [T]; 4],
-    (shared, outcome): (&SharedProgress<'_>, &Outcome),
+    (shared, outcome): (&SharedProgress<'_>, &StateOutcomes),
 ) -> Result<(), [&'a mut [T]; 4]> {
     let kernels = || {
         let (row, dissipation) = (rollout.integrator, rollout.dissipation);
@@ -68,7 +68,7 @@ struct KernelPasses<'a, T> {
 }
 
 /// Tables of some states, cut from one slice.
-struct Memory<'a, T> {
+struct RolloutPullbackTables<'a, T> {
     /// q and v of all states: at every `spacing`-th step, at each step of one segment between checkpoints,
     /// and after a step.
     checkpoints: &'a mut [T],
@@ -87,7 +87,7 @@ struct Memory<'a, T> {
     scratch: &'a mut [T],
 }
 
-impl<'a, T: Float + Number> Memory<'a, T> {
+impl<'a, T: Float + Number> RolloutPullbackTables<'a, T> {
     fn new(way: &KernelPasses<'_, T>, numbers: &'a mut Vec<T>) -> Self {
         let KernelPasses { step, pullback, model, rollout, spacing, states, .. } = *way;
         let (of_state, nv) = (states * (model.nq + model.nv), states * model.nv);
@@ -124,7 +124,7 @@ impl<T: Float + Number> KernelPasses<'_, T> {
         let Self { model, rollout, spacing, given, first, states, .. } = *self;
         let [by_position, by_velocity, force_rows, _] = results;
         let ThreadMemory { block, native: numbers } = memory;
-        let memory = &mut Memory::new(self, numbers);
+        let memory = &mut RolloutPullbackTables::new(self, numbers);
         let (of_q, of_v) = (states * model.nq, states * model.nv);
         let of_state = of_q + of_v;
         let q = &given.q[first * model.nq..][..of_q];
@@ -195,9 +195,9 @@ impl<T: Float + Number> KernelPasses<'_, T> {
     }
 
     /// Adds the cotangent of a step's held forces, or writes that of the step's own forces.
-    fn take(&self, step: usize, memory: &mut Memory<'_, T>, force_rows: &mut [T]) {
+    fn take(&self, step: usize, memory: &mut RolloutPullbackTables<'_, T>, force_rows: &mut [T]) {
         let Self { model, rollout, given, .. } = *self;
-        let Memory { by_force, by_held_force, .. } = memory;
+        let RolloutPullbackTables { by_force, by_held_force, .. } = memory;
         match given.torques {
             Torques::Zero | Torques::Policy(_) => {}
             Torques::Held(_) => by_held_force.iter_mut().zip(&**by_force).for_each(|(sum, &x)| *sum += x),
@@ -211,10 +211,16 @@ impl<T: Float + Number> KernelPasses<'_, T> {
     }
 
     /// Advances from the k-th states of the segment to its end.
-    fn advance(&self, block: &mut BlockMemory, memory: &mut Memory<'_, T>, k: usize, step: usize) {
+    fn advance(
+        &self,
+        block: &mut BlockMemory,
+        memory: &mut RolloutPullbackTables<'_, T>,
+        k: usize,
+        step: usize,
+    ) {
         let Self { model, rollout, stages, states, .. } = *self;
         let (nq, nv) = (model.nq, model.nv);
-        let Memory { stretch, end, tau, steps, scratch, .. } = memory;
+        let RolloutPullbackTables { stretch, end, tau, steps, scratch, .. } = memory;
         self.torque(step, tau);
         let (q, v) = stretch[k * states * (nq + nv)..][..states * (nq + nv)].split_at(states * nq);
         let (q_end, v_end) = end.split_at_mut(states * nq);
@@ -232,11 +238,26 @@ impl<T: Float + Number> KernelPasses<'_, T> {
 
     /// The pullback of the step from the k-th states of the segment; returns a bit for each state whose
     /// cotangents are not finite.
-    fn step_back(&self, block: &mut BlockMemory, memory: &mut Memory<'_, T>, k: usize, step: usize) -> u32 {
+    fn step_back(
+        &self,
+        block: &mut BlockMemory,
+        memory: &mut RolloutPullbackTables<'_, T>,
+        k: usize,
+        step: usize,
+    ) -> u32 {
         let Self { model, rollout, states, .. } = *self;
         let (nq, nv) = (model.nq, model.nv);
-        let Memory { stretch, tau, steps, cotangents, by_position, by_velocity, by_force, scratch, .. } =
-            memory;
+        let RolloutPullbackTables {
+            stretch,
+            tau,
+            steps,
+            cotangents,
+            by_position,
+            by_velocity,
+            by_force,
+            scratch,
+            ..
+        } = memory;
         if rollout.stride != 0 && (step + 1).is_multiple_of(rollout.stride) {
             self.add_cotangents((step + 1) / rollout.stride - 1, by_position, by_velocity);
         }

@@ -10,13 +10,18 @@ use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::ArticulatedInertia;
 use crate::spatial::motion::MotionVector;
 use crate::spatial::transform::Transform;
-use crate::workspace::extent::Scratch;
+use crate::workspace::extent::RankBuffers;
 use crate::workspace::tree::TreeMemory;
 
 /// Places the bodies at q. Writes each DoF's motion to `column` and each body's inertia to `articulated`.
 /// Writes to `world` each body's rotation and p, the vector from its parent's origin to its own.
 #[inline(always)]
-pub(super) fn place<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut Scratch, q: &[N]) {
+pub(super) fn place<N: View<f64>>(
+    model: &Model,
+    tree: &mut TreeMemory<N>,
+    scratch: &mut RankBuffers,
+    q: &[N],
+) {
     evaluate_angles(model, tree, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];

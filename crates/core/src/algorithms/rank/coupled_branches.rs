@@ -6,7 +6,7 @@ use super::vanished_pivot::{VanishedPivot, is_clear, vanishes};
 use crate::Model;
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
-use crate::workspace::extent::Scratch;
+use crate::workspace::extent::RankBuffers;
 use crate::workspace::tree::TreeMemory;
 
 /// Calls `on_vanished` for the pivots of M_y(q) that vanish.
@@ -15,7 +15,7 @@ use crate::workspace::tree::TreeMemory;
 pub(super) fn eliminate(
     model: &Model,
     tree: &mut TreeMemory<f64>,
-    scratch: &mut Scratch,
+    scratch: &mut RankBuffers,
     q: &[f64],
     bound: f64,
     on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
@@ -24,7 +24,7 @@ pub(super) fn eliminate(
     gather(model, tree, scratch);
     reduce(model, tree, scratch);
     let n = model.nv;
-    let Scratch { reduced, share, motion, matrix: m, .. } = scratch;
+    let RankBuffers { reduced, share, motion, matrix: m, .. } = scratch;
     let mut least = 1.0_f64;
     for k in (0..n).rev() {
         let pivot = m[k * n + k];
@@ -66,7 +66,7 @@ fn eliminate_row(m: &mut [f64], n: usize, k: usize) {
 }
 
 /// The inertia of each body's subtree as one rigid body, and √N of each DoF.
-fn gather(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
+fn gather(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut RankBuffers) {
     scratch.extent.copy_from_slice(&scratch.own);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         for index in body.dof..body.dof + body.motion.nv() {
@@ -86,7 +86,7 @@ fn gather(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
 
 /// The lower triangle of M_y and √N of each coordinate. M_ij = Sᵢᵀ I^c_j Sⱼ, with the force propagated
 /// towards the root. **(RBDA §6.2)**
-fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
+fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut RankBuffers) {
     let n = model.nv;
     scratch.matrix.fill(0.0);
     scratch.reduced.fill(0.0);

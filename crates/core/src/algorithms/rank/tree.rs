@@ -11,13 +11,13 @@ use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::DofElimination;
 use crate::workspace::compiled_once::run_on_machine;
-use crate::workspace::extent::Scratch;
+use crate::workspace::extent::RankBuffers;
 use crate::workspace::tree::{TreeMemory, TreeStorage};
 
 /// The arguments of the elimination.
 struct Elimination<'a> {
     model: &'a Model,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut RankBuffers,
     q: &'a [f64],
     bound: f64,
     on_vanished: &'a mut dyn FnMut(&VanishedPivot<'_>),
@@ -27,7 +27,7 @@ struct Elimination<'a> {
 pub(super) fn eliminate(
     model: &Model,
     tree: &mut TreeMemory<f64>,
-    scratch: &mut Scratch,
+    scratch: &mut RankBuffers,
     q: &[f64],
     bound: f64,
     on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
@@ -93,7 +93,7 @@ impl Kernel<TreeStorage, f64> for Elimination<'_> {
 /// Computes the motion z that a unit velocity of DoF k alone causes in the DoFs beyond it: zᵢ = −Uᵢᵀa/dᵢ from
 /// the root on. Writes |zᵢ| √Nᵢ to `share` and returns their sum.
 #[inline(always)]
-fn follow<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut Scratch, k: usize) -> f64 {
+fn follow<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut RankBuffers, k: usize) -> f64 {
     let (first, end) = (model.dofs[k].body, model.dofs[k].end);
     scratch.share[k] = scratch.root[k];
     let mut total = scratch.root[k];

@@ -21,7 +21,7 @@ clone_in_place! {
         /// The column of each entry, with 0 for padding; and the start of each row, in units of four entries.
         pub(super) columns: Vec<usize>,
         pub(super) starts: Vec<usize>,
-        pub(super) rows: Vec<Row>,
+        pub(super) rows: Vec<RowSpan>,
         pub(super) branches: Vec<Branch>,
         pub(super) runs: Vec<Run>,
         /// Whether some path is too long to gather.
@@ -42,14 +42,14 @@ pub(super) struct Branch {
 
 /// The position of a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct RowSpan {
     /// Its first entry.
     pub(super) begin: usize,
     /// Its diagonal.
     pub(super) diagonal: usize,
 }
 
-impl Row {
+impl RowSpan {
     /// The start of the next row.
     #[inline(always)]
     pub(super) fn end(self) -> usize {
@@ -100,10 +100,10 @@ impl Paths {
         for (k, &dof_parent) in dof_parent.iter().enumerate() {
             let begin = self.columns.len();
             if dof_parent != NONE {
-                let Row { begin, diagonal } = self.rows[dof_parent];
+                let RowSpan { begin, diagonal } = self.rows[dof_parent];
                 self.columns.extend_from_within(begin..=diagonal);
             }
-            let row = Row { begin, diagonal: self.columns.len() };
+            let row = RowSpan { begin, diagonal: self.columns.len() };
             self.columns.push(k);
             self.columns.resize(row.end(), 0);
             self.rows.push(row);
@@ -148,5 +148,5 @@ pub fn usual_entries(n: usize) -> usize {
 
 /// The largest possible number of entries in n rows.
 fn most_entries(n: usize) -> usize {
-    (0..n).map(|diagonal| Row { begin: 0, diagonal }.end()).sum()
+    (0..n).map(|diagonal| RowSpan { begin: 0, diagonal }.end()).sum()
 }

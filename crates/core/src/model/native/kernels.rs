@@ -8,7 +8,7 @@ use robot_dynamics_native::{Kernel, Width, best_instructions};
 use super::NativeTask;
 use super::report::{NativeCode, NativeReport, NativeUse};
 use super::size::{estimated_operations, most_operations};
-use super::slots::{Counts, Kernels, Slot, tasks};
+use super::slots::{Kernels, ModelSizes, Slot, tasks};
 use crate::model::robot::{Code, Native, Tracer};
 use crate::{InstructionSet, Model};
 
@@ -76,8 +76,8 @@ fn is_refused() -> bool {
 }
 
 /// The sizes of a model that limit its kernels of frames.
-fn counts(model: &Model) -> Counts {
-    Counts { frames: model.frames.len(), bodies: model.bodies.len() }
+fn counts(model: &Model) -> ModelSizes {
+    ModelSizes { frames: model.frames.len(), bodies: model.bodies.len() }
 }
 
 impl Code {

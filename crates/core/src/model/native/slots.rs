@@ -43,7 +43,7 @@ pub(in crate::model) struct Slots<T> {
 }
 
 /// The sizes of a model that limit its kernels of frames.
-pub(in crate::model) struct Counts {
+pub(in crate::model) struct ModelSizes {
     pub frames: usize,
     pub bodies: usize,
 }
@@ -66,7 +66,7 @@ impl<T> Slots<T> {
     pub(in crate::model) fn kernel(
         &self,
         task: NativeTask,
-        counts: impl FnOnce() -> Counts,
+        counts: impl FnOnce() -> ModelSizes,
         compile: impl FnOnce() -> Slot<T>,
     ) -> Option<&Kernel<T>> {
         let slot = match task.frame {
@@ -95,7 +95,7 @@ impl<T> Slots<T> {
 
 impl<T> FrameSlots<T> {
     #[cold]
-    fn new(Counts { frames, bodies }: Counts) -> Self {
+    fn new(ModelSizes { frames, bodies }: ModelSizes) -> Self {
         let count = frames * NativeFunction::OF_FRAMES.len();
         let kernels = core::iter::repeat_with(OnceLock::new).take(count).collect();
         let most = (MOST_BODIES / bodies.max(1)).clamp(LEAST_OF_FRAMES, MOST_OF_FRAMES);

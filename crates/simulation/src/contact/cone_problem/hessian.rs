@@ -7,7 +7,7 @@ use robot_dynamics_number::dispatch::{Call, Hardware};
 
 use super::block::Block;
 use super::projection::{MultiplierZone, ProjectionDerivative};
-use super::rows::Rows;
+use super::rows::RowGroups;
 
 /// Adds AᵀG A/R of all blocks to the packed lower triangle, with G = Π′ of each block.
 pub(super) struct Add<'a> {
@@ -18,7 +18,7 @@ pub(super) struct Add<'a> {
     /// 1/R of each single row, or 0 if it is on a bound.
     pub(super) weights: &'a [f64],
     pub(super) support: &'a [usize],
-    pub(super) rows: &'a Rows,
+    pub(super) rows: &'a RowGroups,
     pub(super) paths: &'a Paths,
     pub(super) matrix: &'a mut [f64],
     /// A buffer for the rows of G A/R.

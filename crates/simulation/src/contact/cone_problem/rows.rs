@@ -25,7 +25,7 @@ struct Group {
 clone_in_place! {
     /// The rows of A in groups.
     #[derive(Debug)]
-    pub(super) struct Rows {
+    pub(super) struct RowGroups {
         groups: Vec<Group>,
         entries: Vec<f64>,
         /// The index of the first entry of each block.
@@ -37,7 +37,7 @@ clone_in_place! {
     }
 }
 
-impl Rows {
+impl RowGroups {
     /// Allocates memory for n coordinates, and for this many blocks and entries.
     pub(super) fn new(n: usize, blocks: usize, entries: usize) -> Self {
         Self {
@@ -124,7 +124,7 @@ impl Rows {
 }
 
 struct Multiply<'a> {
-    rows: &'a mut Rows,
+    rows: &'a mut RowGroups,
     support: &'a [usize],
     x: &'a [f64],
     to: &'a mut [f64],
@@ -133,7 +133,7 @@ struct Multiply<'a> {
 impl Call for Multiply<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
-        let Self { rows: Rows { groups, entries, gathered, .. }, support, x, to } = self;
+        let Self { rows: RowGroups { groups, entries, gathered, .. }, support, x, to } = self;
         for Group { rows, support: own, begin, is_single } in groups {
             let (support, to, a) = (&support[own.clone()], &mut to[rows.clone()], &entries[*begin..]);
             if *is_single {
@@ -155,7 +155,7 @@ impl Call for Multiply<'_> {
 }
 
 struct AddForces<'a> {
-    rows: &'a mut Rows,
+    rows: &'a mut RowGroups,
     support: &'a [usize],
     p: &'a [f64],
     to: &'a mut [f64],
@@ -164,7 +164,7 @@ struct AddForces<'a> {
 impl Call for AddForces<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
-        let Self { rows: Rows { groups, entries, gathered, .. }, support, p, to } = self;
+        let Self { rows: RowGroups { groups, entries, gathered, .. }, support, p, to } = self;
         for Group { rows, support: own, begin, is_single } in groups {
             let (support, p, a) = (&support[own.clone()], &p[rows.clone()], &entries[*begin..]);
             if *is_single {

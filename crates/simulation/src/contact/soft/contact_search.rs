@@ -3,7 +3,7 @@
 use robot_dynamics_core::{FrameId, Model};
 
 use super::active_set::ActiveSet;
-use super::{ContactPartner, ContactSet, Pair, ShapePoint, SoftConstraints, SoftContact};
+use super::{ContactPartner, ContactSet, ShapePair, ShapePoint, SoftConstraints, SoftContact};
 
 impl SoftConstraints {
     /// The limits and contacts that acted at the last state.
@@ -54,7 +54,7 @@ fn contact_at(
 ) -> Option<SoftContact> {
     let normal = point.axes[0];
     if let ContactPartner::Pair(index) = point.against {
-        let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];
+        let ShapePair { shapes: [one, two], surface, .. } = &set.pairs[index];
         let contact = SoftContact::new(shapes[*one]?, point.at.into(), normal.into(), point.gap);
         return Some(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
     }

@@ -16,7 +16,7 @@ const HALF_LINE: Set = Set::Interval(0.0, f64::INFINITY);
 const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
 
 /// The problem that rows are added to, with their references.
-struct Rows<'a> {
+struct RowBuilder<'a> {
     problem: &'a mut ConeProblem,
     asked: &'a mut Vec<RowReference>,
 }
@@ -31,7 +31,7 @@ impl JointRows {
         (problem, asked): (&mut ConeProblem, &mut Vec<RowReference>),
     ) -> bool {
         let StepState { h, q, .. } = *state;
-        let mut rows = Rows { problem, asked };
+        let mut rows = RowBuilder { problem, asked };
         if state.dissipates {
             self.add_friction_rows(h, &mut rows);
         }
@@ -39,14 +39,14 @@ impl JointRows {
         self.add_turn_rows((q, h), &mut active, &mut rows);
         self.add_tendon_rows((q, h), &mut active, &mut rows);
         self.add_equality_rows((q, h), &mut rows);
-        let Rows { problem, asked } = rows;
+        let RowBuilder { problem, asked } = rows;
         for connection in &self.connections {
             connection.add(bodies, state, problem, asked);
         }
         self.keeps_tree
     }
 
-    fn add_friction_rows(&self, h: f64, rows: &mut Rows<'_>) {
+    fn add_friction_rows(&self, h: f64, rows: &mut RowBuilder<'_>) {
         for friction in &self.frictions {
             let response = Response::new(&friction.softness, h, 0.0);
             let set = Set::Interval(-friction.most, friction.most);
@@ -56,7 +56,12 @@ impl JointRows {
         }
     }
 
-    fn add_limit_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+    fn add_limit_rows(
+        &self,
+        (q, h): (&[f64], f64),
+        active: &mut ActiveLimits<'_>,
+        rows: &mut RowBuilder<'_>,
+    ) {
         for (number, limit) in self.limits.iter().enumerate() {
             let distance = limit.sign * (limit.ratio * q[limit.q] + limit.offset - limit.bound);
             if !active.admits(number, distance < limit.margin) {
@@ -75,7 +80,7 @@ impl JointRows {
         }
     }
 
-    fn add_turn_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+    fn add_turn_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut RowBuilder<'_>) {
         let first = self.limits.len();
         for (number, turn) in self.turns.iter().enumerate() {
             // The angle changes with the component of the angular velocity along the axis, which is the same
@@ -95,7 +100,12 @@ impl JointRows {
         }
     }
 
-    fn add_tendon_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+    fn add_tendon_rows(
+        &self,
+        (q, h): (&[f64], f64),
+        active: &mut ActiveLimits<'_>,
+        rows: &mut RowBuilder<'_>,
+    ) {
         let first = self.limits.len() + self.turns.len();
         for (number, limit) in self.tendons.iter().enumerate() {
             let distance = limit.sign * (limit.length.at(q) - limit.bound) - limit.softness.margin;
@@ -114,7 +124,7 @@ impl JointRows {
         }
     }
 
-    fn add_equality_rows(&self, (q, h): (&[f64], f64), rows: &mut Rows<'_>) {
+    fn add_equality_rows(&self, (q, h): (&[f64], f64), rows: &mut RowBuilder<'_>) {
         for equal in &self.equalities {
             let [c0, c1, c2, c3, c4] = equal.polynomial;
             let x = equal.leader.map_or(0.0, |(at, _, reference)| q[at] - reference);

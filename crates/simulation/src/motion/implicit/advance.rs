@@ -4,7 +4,7 @@ use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_integrators::{IntegratorError, check_computed};
 
 use super::restoration::copy_active;
-use super::{ImplicitIntegrator, Memory};
+use super::{ImplicitIntegrator, ImplicitMemory};
 use crate::contact::{ContactImpulses, ImpulsiveStep, Mark};
 use crate::motion::simulate::Losses;
 
@@ -62,13 +62,13 @@ impl ImplicitIntegrator {
             is_written = self.solve_impulses(model, workspace, h, (q, v))?;
         }
         self.add_losses_of(v);
-        let Memory { stage_v: v1, stage_q: q1, displacement, .. } = &mut self.memory;
+        let ImplicitMemory { stage_v: v1, stage_q: q1, displacement, .. } = &mut self.memory;
         check_computed("v after the step", v1)?;
         self.kept.record_speeds(&self.components, v1);
         integrate(model, q, displacement, q1);
         self.correct_positions(model, workspace, tau, h, q, is_written)?;
         let Self { components, translations, joints, memory, interrupt, .. } = self;
-        let Memory { stage_v: v1, stage_q: q1, .. } = memory;
+        let ImplicitMemory { stage_v: v1, stage_q: q1, .. } = memory;
         check_computed("q after the step", q1)?;
         translations.restore(model, workspace, joints, q1, v1);
         // An interrupted solver has no result.
@@ -156,7 +156,7 @@ impl ImplicitIntegrator {
         let Self {
             joints, factor, impulses, equalities, translations, memory, interrupt, components, ..
         } = self;
-        let Memory { stage_v: v1, stage_q: q1, .. } = memory;
+        let ImplicitMemory { stage_v: v1, stage_q: q1, .. } = memory;
         let stops = &joints.stops[..];
         translations.restore(model, workspace, joints, q1, v1);
         impulses.turn(stops, q1, v1);
@@ -184,7 +184,7 @@ impl ImplicitIntegrator {
     fn solve_contacts(&mut self, model: &Model, h: f64, v: &[f64]) -> Result<(), IntegratorError> {
         let Self { joints, factor, impulses, contacts, translations, memory, components, .. } = self;
         let Some(contacts) = contacts else { return Ok(()) };
-        let Memory { force: change, stage_v: v1, matrix, applied: impulse, .. } = memory;
+        let ImplicitMemory { force: change, stage_v: v1, matrix, applied: impulse, .. } = memory;
         factor.write(joints, 0.5 * h, matrix);
         let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
         let (rows, multipliers) = impulses.rows_beside(components);
@@ -203,7 +203,7 @@ impl ImplicitIntegrator {
     /// the coordinates of these components.
     fn solve_rows_apart(&mut self) -> Result<(), IntegratorError> {
         let Self { factor, impulses, translations, memory, components, .. } = self;
-        let Memory { force: change, stage_v: v1, applied: impulse, .. } = memory;
+        let ImplicitMemory { force: change, stage_v: v1, applied: impulse, .. } = memory;
         impulses.solve_apart(factor, v1, components, change)?;
         if !translations.is_empty() {
             let product = impulses.multiply_mass_apart(factor, change);
@@ -220,7 +220,9 @@ impl ImplicitIntegrator {
     /// impacts.
     fn apply_impulses(&mut self, model: &Model, h: f64, v: &[f64]) {
         let Self { impulses, translations, memory, components, .. } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, applied: impulse, .. } = memory;
+        let ImplicitMemory {
+            force: change, stage_v: v1, stage_q: q1, displacement, applied: impulse, ..
+        } = memory;
         if !translations.is_empty() {
             translations.add(model, q1, |k| impulse[k]);
         }
@@ -250,7 +252,7 @@ impl ImplicitIntegrator {
     /// Adds the losses of the pass from v to those of the step, component by component.
     fn add_losses_of(&mut self, v: &[f64]) {
         let Self { joints, components, memory, lost, last_of, .. } = self;
-        let Memory { displacement, stage_v: v1, .. } = memory;
+        let ImplicitMemory { displacement, stage_v: v1, .. } = memory;
         // ∫Dv·v dt is the impulse D∫v dt times the mean velocity, which is the energy that the change of
         // momentum takes.
         for k in (0..v.len()).filter(|k| components.moves(*k)) {

@@ -7,7 +7,7 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::impulses::land_on_stops;
 use super::restoration::copy_positions;
-use super::{ImplicitIntegrator, Memory};
+use super::{ImplicitIntegrator, ImplicitMemory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_account;
 use crate::motion::step_actuation::StepActuation;
@@ -58,7 +58,7 @@ impl ImplicitIntegrator {
     /// Stores the positions before the correction, and returns their energy \[J\].
     fn record_uncorrected(&mut self, model: &Model, workspace: &mut Workspace) -> f64 {
         let Self { memory, drive, .. } = self;
-        let Memory { stage_v: v1, stage_q: q1, uncorrected, .. } = memory;
+        let ImplicitMemory { stage_v: v1, stage_q: q1, uncorrected, .. } = memory;
         uncorrected.copy_from_slice(q1);
         total_energy(model, workspace, drive, (q1, v1))
     }
@@ -75,7 +75,7 @@ impl ImplicitIntegrator {
     ) {
         let Self { joints, factor, impulses, contacts, equalities, memory, components, .. } = self;
         let Some(contacts) = contacts else { return };
-        let Memory { force: change, stage_q: q1, matrix, before, .. } = memory;
+        let ImplicitMemory { force: change, stage_q: q1, matrix, before, .. } = memory;
         if !is_written {
             factor.write(joints, 0.5 * h, matrix);
         }
@@ -113,7 +113,7 @@ impl ImplicitIntegrator {
         q: &[f64],
     ) -> Result<(), IntegratorError> {
         let Self { joints, factor, impulses, equalities, memory, components, kept, .. } = self;
-        let Memory { force: change, stage_q: q1, .. } = memory;
+        let ImplicitMemory { force: change, stage_q: q1, .. } = memory;
         let stops = &joints.stops[..];
         for stop in stops.iter().filter(|stop| stop.gap(q1) < -BEYOND) {
             if impulses.is_active(stop.row, components) {
@@ -140,7 +140,7 @@ impl ImplicitIntegrator {
         energy_before: f64,
     ) {
         let Self { components, memory, drive, last_of, .. } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, before, uncorrected, .. } = memory;
+        let ImplicitMemory { force: change, stage_v: v1, stage_q: q1, before, uncorrected, .. } = memory;
         for leader in components.all() {
             if !components.has(Mark::Deep, leader) || !components.is_active(leader) {
                 continue;

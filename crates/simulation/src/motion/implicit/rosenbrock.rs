@@ -6,7 +6,7 @@ use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_integrators::IntegratorError;
 
 use super::joints::Joints;
-use super::{ImplicitIntegrator, Memory};
+use super::{ImplicitIntegrator, ImplicitMemory};
 use crate::motion::step_actuation::StepActuation;
 
 /// γ = 1 − 1/√2: L-stable; of the two L-stable values, the one with the smaller error.
@@ -45,7 +45,7 @@ impl ImplicitIntegrator {
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), IntegratorError> {
         let Self { joints, factor, memory, .. } = self;
-        let Memory { displacement, stage_q: middle, .. } = memory;
+        let ImplicitMemory { displacement, stage_q: middle, .. } = memory;
         displacement.iter_mut().zip(v).for_each(|(way, v)| *way = 0.5 * h * v);
         integrate(model, q, displacement, middle);
         factor.factor(model, workspace, middle, joints, GAMMA * h)
@@ -55,7 +55,7 @@ impl ImplicitIntegrator {
     /// the middle of this step.
     fn carry_constraint_forces(&mut self, model: &Model, workspace: &mut Workspace) {
         let Self { joints, impulses, contacts, equalities, memory, .. } = self;
-        let Memory { stage_q: middle, carried, .. } = memory;
+        let ImplicitMemory { stage_q: middle, carried, .. } = memory;
         carried.copy_from_slice(impulses.forces());
         if let Some(contacts) = contacts {
             contacts.carry(model, workspace, middle, carried);
@@ -69,7 +69,7 @@ impl ImplicitIntegrator {
     /// Solves both stages, and sums the forces that they apply in `memory.applied`.
     fn solve_stages(&mut self, model: &Model, workspace: &mut Workspace, tau: &[f64], h: f64, v: &[f64]) {
         let Self { joints, factor, drive, memory, .. } = self;
-        let Memory {
+        let ImplicitMemory {
             q_rate: [q1, q2],
             acceleration: [a1, a2],
             force: bias,

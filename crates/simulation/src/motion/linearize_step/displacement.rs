@@ -9,10 +9,10 @@ use robot_dynamics_number::algebra::V3;
 use crate::motion::integrate::vectors::add_scaled;
 
 /// The displacement of one joint: linear and angular part.
-type Pair = (V3<f64>, V3<f64>);
+type JointDisplacement = (V3<f64>, V3<f64>);
 
 /// The joint's part of a vector; a rotation has a zero linear part.
-fn read(x: &[f64], chart: Chart, first: usize) -> Pair {
+fn read(x: &[f64], chart: Chart, first: usize) -> JointDisplacement {
     let at = |k: usize| V3::new([x[k], x[k + 1], x[k + 2]]);
     if chart == Chart::Placement { (at(first), at(first + 3)) } else { (V3::zero(), at(first)) }
 }
@@ -29,7 +29,7 @@ struct Map {
 }
 
 impl Map {
-    fn new(chart: Chart, image: impl Fn(Pair) -> Pair) -> Self {
+    fn new(chart: Chart, image: impl Fn(JointDisplacement) -> JointDisplacement) -> Self {
         let (dimensions, mut columns) = (dimensions(chart), [[0.0; 6]; 6]);
         for (index, column) in columns[..dimensions].iter_mut().enumerate() {
             let mut unit = [0.0; 6];
@@ -58,7 +58,7 @@ impl Map {
     }
 }
 
-fn add(a: Pair, k: f64, b: Pair) -> Pair {
+fn add(a: JointDisplacement, k: f64, b: JointDisplacement) -> JointDisplacement {
     (a.0.add_scaled(k, b.0), a.1.add_scaled(k, b.1))
 }
 
@@ -66,13 +66,13 @@ fn add(a: Pair, k: f64, b: Pair) -> Pair {
 ///
 /// The sum ends when a term is negligible. Terms may first grow up to e^|Θ|, and the rounding grows with
 /// them.
-fn series(theta: Pair, x: Pair, first: u32) -> Pair {
+fn series(theta: JointDisplacement, x: JointDisplacement, first: u32) -> JointDisplacement {
     let (mut sum, mut term) = (x, x);
     for k in 1..400 {
         let product = bracket(theta, term);
         term = add((V3::zero(), V3::zero()), -1.0 / f64::from(k + first), product);
         sum = add(sum, 1.0, term);
-        let size = |x: Pair| x.0.dot(x.0) + x.1.dot(x.1);
+        let size = |x: JointDisplacement| x.0.dot(x.0) + x.1.dot(x.1);
         // An eighth of ε, squared.
         let counts = size(term) > 1e-33 * size(sum);
         if !counts {

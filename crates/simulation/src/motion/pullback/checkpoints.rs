@@ -25,7 +25,7 @@ pub trait RolloutInputs<S> {
 }
 
 /// The memory of a rollout's pullback, cut from one slice.
-struct Memory<'a, S> {
+struct RolloutPullbackMemory<'a, S> {
     stages: &'a mut [S],
     /// The states (q, v) at every `spacing`-th step, and those of one segment between two checkpoints.
     checkpoints: &'a mut [S],
@@ -64,7 +64,7 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
     let h = S::from_f64(rollout.step);
     let mut rest = memory;
     let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
-    let mut memory = Memory {
+    let mut memory = RolloutPullbackMemory {
         stages: take(PullbackMemory::<S>::size(model, stages.len())),
         checkpoints: take(steps.div_ceil(spacing) * state),
         stretch: take(spacing * state),
@@ -80,7 +80,7 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
     // Forward: the first state of each segment.
     let coordinate_ranges = steps.div_ceil(spacing);
     for stretch in 0..coordinate_ranges {
-        let Memory { checkpoints, stretch: states, .. } = &mut memory;
+        let RolloutPullbackMemory { checkpoints, stretch: states, .. } = &mut memory;
         checkpoints[stretch * state..(stretch + 1) * state].copy_from_slice(&states[..state]);
         if stretch + 1 < coordinate_ranges {
             for step in stretch * spacing..(stretch + 1) * spacing {
@@ -91,7 +91,7 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
     for stretch in (0..coordinate_ranges).rev() {
         let first = stretch * spacing;
         let count = spacing.min(steps - first);
-        let Memory { checkpoints, stretch: states, .. } = &mut memory;
+        let RolloutPullbackMemory { checkpoints, stretch: states, .. } = &mut memory;
         states[..state].copy_from_slice(&checkpoints[stretch * state..(stretch + 1) * state]);
         for k in 1..count {
             way.advance(course, &mut memory, (k - 1, k), first + k - 1);
@@ -126,12 +126,13 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
     fn advance<C: RolloutInputs<S>>(
         &mut self,
         course: &mut C,
-        memory: &mut Memory<'_, S>,
+        memory: &mut RolloutPullbackMemory<'_, S>,
         (from, to): (usize, usize),
         step: usize,
     ) {
         let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
-        let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
+        let RolloutPullbackMemory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } =
+            memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
         let mut held = PullbackTree {
@@ -161,13 +162,14 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
     fn step_back<C: RolloutInputs<S>>(
         &mut self,
         course: &mut C,
-        memory: &mut Memory<'_, S>,
+        memory: &mut RolloutPullbackMemory<'_, S>,
         (k, step, known): (usize, usize, bool),
         cotangents: (&mut [S], &mut [S]),
         parameters: &mut [S],
     ) {
         let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
-        let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
+        let RolloutPullbackMemory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } =
+            memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
         let (q, v) = stretch[k * state..(k + 1) * state].split_at(nq);

@@ -5,9 +5,9 @@ use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{InputProblem, InvalidInput, Scalar, Specialization, TypeFamily};
 
 /// A slice of numbers of any type.
-struct Numbers<'a>(core::marker::PhantomData<&'a ()>);
+struct SliceInputs<'a>(core::marker::PhantomData<&'a ()>);
 
-impl<'a> TypeFamily for Numbers<'a> {
+impl<'a> TypeFamily for SliceInputs<'a> {
     type Over<S: Scalar> = &'a [S];
 }
 
@@ -25,7 +25,7 @@ fn first_not_finite<T: Copy + Into<f64>>(numbers: &[T]) -> Option<(usize, f64)> 
 
 /// The first float that is not finite; numbers of other types are not checked.
 fn bad_float<S: Scalar>(numbers: &[S]) -> Option<(usize, f64)> {
-    match S::specialize::<Numbers<'_>>(numbers) {
+    match S::specialize::<SliceInputs<'_>>(numbers) {
         Specialization::F64(numbers) => first_not_finite(numbers),
         Specialization::F32(numbers) => first_not_finite(numbers),
         Specialization::Other(_) => None,

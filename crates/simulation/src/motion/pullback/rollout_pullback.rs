@@ -66,14 +66,14 @@ impl<S: Scalar> RolloutPullbackWorkspace<S> {
 }
 
 /// The forces and cotangents of one rollout as tables.
-struct Tables<'a, S> {
+struct RolloutTables<'a, S> {
     /// Constant over all steps, or \[steps\]\[nv\], or empty for zero forces.
     tau: &'a [S],
     trajectory: TrajectoryCotangents<'a, S>,
     by_force: &'a mut [S],
 }
 
-impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
+impl<S: Scalar> RolloutInputs<S> for RolloutTables<'_, S> {
     fn torque(&mut self, step: usize, tau: &mut [S]) {
         let n = tau.len();
         match self.tau.len() {
@@ -195,7 +195,7 @@ pub fn rollout_pullback<S: Scalar>(
     w.by_velocity.copy_from_slice(by_velocity);
     w.parameters.fill(S::zero());
     by_force.fill(S::zero());
-    let mut tables = Tables { tau, trajectory, by_force };
+    let mut tables = RolloutTables { tau, trajectory, by_force };
     let own_parameters = &mut w.parameters[..parameters.len()];
     let cotangents = (&mut w.by_position[..], &mut w.by_velocity[..]);
     let way = (rollout, stages, w.spacing);
