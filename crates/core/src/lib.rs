@@ -96,7 +96,7 @@ pub use algorithms::regressor::{
     potential_energy_regressor,
 };
 pub use configuration::cotangent::{cotangent_from_coordinates, cotangent_to_coordinates};
-pub use configuration::joint_map::{JointMap, JointMapError};
+pub use configuration::joint_map::JointMap;
 pub use configuration::manifold::{
     check_configuration, check_vector, difference, integrate, interpolate, neutral, normalize_quaternions,
     random_within_limits,

@@ -1,6 +1,6 @@
 //! Errors of a robot description.
 
-use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
+use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput};
 use thiserror::Error;
 
 use crate::InertiaError;
@@ -11,7 +11,7 @@ fn plural(sort: &str) -> String {
 }
 
 /// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid, or cannot be changed or written as
-/// requested.
+/// requested: the error of `Model::new`, `JointMap::new`, the edits of descriptions and scenes, and the writers.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "EditError")]
@@ -161,6 +161,16 @@ pub enum ModelError {
         /// The moving link.
         link: String,
     },
+    /// A reduced robot of a [`JointMap`](https://docs.rs/robot-dynamics/latest/robot_dynamics/model/struct.JointMap.html)
+    /// is not the full one with some joints locked.
+    #[error("joint `{joint}` {reason}")]
+    #[doc(alias = "JointMapError")]
+    NotReduced {
+        /// The joint, or the base's joint if the base is fixed.
+        joint: String,
+        /// The difference, and the remedy.
+        reason: String,
+    },
     /// The file format cannot represent the robot; lists every reason.
     #[error("{}", .0.join("; "))]
     Unwritable(Vec<String>),
@@ -176,31 +186,22 @@ impl Classified for ModelError {
     }
 }
 
-/// The robot has no frame of this name.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("robot `{robot}` has no frame or link `{name}`{}", .similar.as_ref().map(|similar| format!("; did you mean `{similar}`?")).unwrap_or_default())]
-#[non_exhaustive]
-pub struct NoSuchFrame {
-    /// The robot.
-    pub robot: String,
-    /// The name given.
-    pub name: String,
-    /// The most similar name of the robot, if there is one.
-    pub similar: Option<String>,
-}
-
-impl Classified for NoSuchFrame {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::UnknownName
-    }
-}
-
-impl NoSuchFrame {
-    /// The error for a robot with these names.
-    #[doc(hidden)]
-    pub fn new<'a>(robot: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Self {
-        Self { robot: robot.into(), name: name.into(), similar: similar(name, names) }
-    }
+/// The error of a name that does not exist, with the most similar name. `sort` is the sort of the named object.
+///
+/// ```
+/// use robot_dynamics_description::unknown_name;
+/// let error = unknown_name("joint", "elbo", "robot `arm`", ["shoulder", "elbow"].into_iter());
+/// assert_eq!(error.to_string(), "robot `arm` has no joint `elbo`; did you mean `elbow`?");
+/// ```
+#[doc(hidden)]
+pub fn unknown_name<'a>(
+    sort: &str,
+    name: &str,
+    owner: impl Into<String>,
+    names: impl Iterator<Item = &'a str>,
+) -> InvalidInput {
+    let known = similar(name, names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    InvalidInput::new(sort, InputProblem::UnknownName { name: name.into(), owner: owner.into(), known })
 }
 
 /// The name most similar to the one given: at most a third of its letters differ, or one name contains the

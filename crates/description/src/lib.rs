@@ -43,7 +43,7 @@ pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
 pub use contact_pair::ContactPairDescription;
 pub use edit::moved_by;
 pub use equality::{Equality, EqualityDescription};
-pub use error::{ModelError, NoSuchFrame, similar};
+pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
 pub use frame::FrameDescription;

@@ -12,7 +12,7 @@ impl Function {
     /// Computes the function's results, each by rows, by the library's calls over any number.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NotDifferentiable`] for derivatives and pullbacks
+    /// [`FunctionError::Input`]; [`FunctionError::NotDifferentiable`] for derivatives and pullbacks
     /// through a graph.
     ///
     /// ```

@@ -1,13 +1,12 @@
 //! Errors of functions that a robot does not have.
 
 use robot_dynamics_core::SingularMass;
-use robot_dynamics_description::NoSuchFrame;
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
 use crate::Function;
 
-/// The reason why a robot does not have a function.
+/// The reason why a robot does not have a function: the error of parsing a [`Function`] and of tracing it.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
@@ -27,7 +26,7 @@ pub enum FunctionError {
     },
     /// The robot has no such frame.
     #[error(transparent)]
-    NoSuchFrame(#[from] NoSuchFrame),
+    Input(#[from] InvalidInput),
     /// A function that inverts M has no value where M is singular.
     #[error("robot `{robot}` has no `{function}`: {cause}")]
     Singular {
@@ -44,7 +43,7 @@ impl Classified for FunctionError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Unknown { .. } | Self::NotDifferentiable { .. } => ErrorKind::UnknownName,
-            Self::NoSuchFrame(error) => error.kind(),
+            Self::Input(error) => error.kind(),
             Self::Singular { .. } => ErrorKind::Singular,
         }
     }

@@ -44,7 +44,7 @@ impl Function {
     /// DifferentiationInput its expression for this robot.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`], [`FunctionError::NotDifferentiable`], [`FunctionError::Singular`].
+    /// [`FunctionError::Input`], [`FunctionError::NotDifferentiable`], [`FunctionError::Singular`].
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;
@@ -123,7 +123,7 @@ impl Function {
     /// independent route. `None` for functions that are not differentiated through a graph.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`].
+    /// [`FunctionError::Input`].
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;

@@ -6,7 +6,7 @@ use robot_dynamics_functions::FunctionError;
 use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
-/// Errors of code generation.
+/// The error of [`generate`](crate::generate()) and of the writing and measuring of generated programs.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GenerateError {

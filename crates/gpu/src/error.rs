@@ -6,7 +6,7 @@ use robot_dynamics::{Classified, ErrorKind};
 use robot_dynamics_generate::GenerateError;
 use thiserror::Error;
 
-/// Errors of computations on a device.
+/// The error of opening a device, of compiling a robot for it, and of each computation on it.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DeviceError {

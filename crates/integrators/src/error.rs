@@ -6,7 +6,8 @@ use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 use crate::Integrator;
 
-/// The reason why forward dynamics, a step or a run of an integrator has no result.
+/// The reason why forward dynamics, a step or a run of an integrator has no result: the error of the steps of
+/// this crate and of the chapter. Simulations wrap it in their own errors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[doc(alias = "DynamicsError")]

@@ -2,7 +2,7 @@
 
 use robot_dynamics_number::{Classified, ErrorKind, InstructionSet};
 
-/// The reason why a graph was not compiled.
+/// The reason why a graph was not compiled: the error of the constructors of [`Kernel`](crate::Kernel).
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompileError {

@@ -78,6 +78,12 @@ pub enum InputProblem {
         /// The value computed.
         value: f64,
     },
+    /// The argument does not meet a requirement of its function.
+    #[doc(alias = "ContactError")]
+    Unmet {
+        /// The end of the message after the argument: `must be a unit vector`.
+        requirement: String,
+    },
     /// A name that does not exist; the argument is the sort of the named object, for example `pose`.
     UnknownName {
         /// The given name.
@@ -109,6 +115,17 @@ impl InvalidInput {
         requirement: impl Into<String>,
     ) -> Self {
         Self::new(quantity, InputProblem::OutOfRange { value, unit, requirement: requirement.into() })
+    }
+
+    /// The error of an argument that does not meet a requirement. `requirement` follows its name in the message.
+    ///
+    /// ```
+    /// use robot_dynamics_number::InvalidInput;
+    /// let error = InvalidInput::unmet("a ground's normal", "must have a direction");
+    /// assert_eq!(error.to_string(), "a ground's normal must have a direction");
+    /// ```
+    pub fn unmet(quantity: impl Into<String>, requirement: impl Into<String>) -> Self {
+        Self::new(quantity, InputProblem::Unmet { requirement: requirement.into() })
     }
 
     /// The error of a name that does not exist. `sort` is the sort of the named object.
@@ -181,6 +198,7 @@ impl fmt::Display for InvalidInput {
                 f,
                 "{quantity} is {value}: the numbers given are too large to compute it; check their units"
             ),
+            InputProblem::Unmet { requirement } => write!(f, "{quantity} {requirement}"),
             InputProblem::UnknownName { name, owner, known } => {
                 write!(f, "{owner} has no {quantity} `{name}`{known}")
             }

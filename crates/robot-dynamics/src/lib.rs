@@ -72,8 +72,8 @@ pub mod description {
         Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
         FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
         JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
-        Mimic, ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PolynomialStiffnessDamping,
-        Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
+        Mimic, ModelError, Mount, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
+        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
         RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
         SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
         WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
@@ -83,8 +83,8 @@ pub mod description {
 /// The compiled model, its configuration space and its memory.
 pub mod model {
     pub use robot_dynamics_core::{
-        Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Link, Model, NativeCode,
-        NativeFunction, NativeReport, NativeUse, RandomState, Workspace, check_configuration, check_vector,
+        Frame, FrameId, InstructionSet, Joint, JointMap, Link, Model, NativeCode, NativeFunction,
+        NativeReport, NativeUse, RandomState, Workspace, check_configuration, check_vector,
         cotangent_from_coordinates, cotangent_to_coordinates, difference, integrate, interpolate,
         lock_massless, neutral, normalize_quaternions, random_state, random_within_limits,
     };
@@ -125,8 +125,8 @@ pub mod derivatives {
     };
     pub use robot_dynamics_simulation::{
         LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, Rollout,
-        RolloutPullbackWorkspace, StepDerivativeError, StepPullbackWorkspace, TrajectoryCotangents,
-        linearize_by_differences, linearize_step, rollout_pullback, step_pullback,
+        RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents, linearize_by_differences,
+        linearize_step, rollout_pullback, step_pullback,
     };
 }
 
@@ -152,8 +152,8 @@ pub mod constraints {
 /// Contact between links, and with the ground.
 pub mod contact {
     pub use robot_dynamics_simulation::{
-        ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
-        ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
+        ActiveSet, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation,
+        Ground, HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
     };
 }
 

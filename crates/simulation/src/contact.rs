@@ -50,7 +50,7 @@ mod shape_point;
 mod soft;
 
 pub use field::HeightField;
-pub use ground::{ContactError, Ground};
+pub use ground::Ground;
 pub use law::{ContactLaws, ContactViolation};
 pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
@@ -70,11 +70,13 @@ use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::{LinkShape, Pose, Shape, ShapeRole, Surface};
+use robot_dynamics_number::InvalidInput;
 
 use self::candidates::{Candidates, Sweep};
 use self::contact_geometry::ContactGeometry;
 use self::contact_shape::ContactShape;
 use self::field::PlacedField;
+use self::ground::bad_surface;
 use self::named_pairs::NamedPairs;
 use self::pair::ShapePair;
 use self::placed_pair::MOST_PAIR_POINTS;
@@ -135,8 +137,8 @@ impl ContactSet {
     /// A set of this robot's shapes, except meshes, on these grounds.
     ///
     /// # Errors
-    /// [`ContactError`]: a ground, a shape that can touch, or a pair has an invalid number.
-    pub fn new(model: &Model, grounds: &[Ground]) -> Result<Self, ContactError> {
+    /// [`InvalidInput`]: a ground, a shape that can touch, or a pair has an invalid number.
+    pub fn new(model: &Model, grounds: &[Ground]) -> Result<Self, InvalidInput> {
         Self::with_meshes(model, grounds, |_| Err("meshes are not opened".into()))
     }
 
@@ -163,7 +165,7 @@ impl ContactSet {
         model: &Model,
         grounds: &[Ground],
         mut points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, InvalidInput> {
         let mut set = Self {
             robot: model.identity.clone(),
             grounds: Vec::new(),
@@ -199,7 +201,7 @@ impl ContactSet {
         shape: &LinkShape,
         stated: &NamedPairs<'_>,
         points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), InvalidInput> {
         let surface = shape.surface;
         let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return Ok(()) };
         let touches_others = surface.contype | surface.conaffinity != 0 || stated.names(&shape.name);
@@ -208,7 +210,7 @@ impl ContactSet {
         }
         if let Some(quantity) = surface.not_finite().or_else(|| size_not_finite(&shape.shape)) {
             let shape = format!("shape `{}` of link `{}`", shape.name, shape.link);
-            return Err(ContactError::Surface { shape, quantity });
+            return Err(bad_surface(&shape, quantity));
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.

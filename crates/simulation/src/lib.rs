@@ -40,9 +40,10 @@ pub use constraints::{
     constraint_projections, contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
 };
 pub use contact::{
-    ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
-    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
+    ActiveSet, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation, Ground,
+    HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
 };
+pub use motion::RobotState;
 pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
@@ -62,5 +63,4 @@ pub use motion::simulate::{
     StateTransition, StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_account, record_step,
     steps_in,
 };
-pub use motion::{RobotState, StepDerivativeError};
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

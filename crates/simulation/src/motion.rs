@@ -16,7 +16,5 @@ pub mod pullback;
 pub mod simulate;
 mod state;
 pub mod step_actuation;
-mod step_derivative_error;
 
 pub use state::RobotState;
-pub use step_derivative_error::StepDerivativeError;

@@ -65,6 +65,9 @@ pub enum UrdfError {
     /// Well-formed XML of another kind.
     #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
     NotARobot { line: usize, found: String, advice: &'static str },
+    /// A URDF file where an SRDF file belongs.
+    #[error("line {line}: <{found}> belongs to URDF; give the SRDF file, which has <disable_collisions>")]
+    NotSrdf { line: usize, found: String },
 
     /// A xacro file that has not been expanded to URDF.
     #[error(
@@ -180,6 +183,7 @@ impl UrdfError {
             | Self::TooDeep { line, .. }
             | Self::TooMany { line, .. }
             | Self::NotARobot { line, .. }
+            | Self::NotSrdf { line, .. }
             | Self::Unexpanded { line, .. }
             | Self::MissingAttribute { line, .. }
             | Self::MissingElement { line, .. }

@@ -71,5 +71,5 @@ pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use robot_dynamics_description::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
-pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
+pub use srdf::{disabled_collisions, load_disabled_collisions};
 pub use writer::write;

@@ -4,38 +4,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use robot_dynamics_description::RobotDescription;
-use robot_dynamics_number::{Classified, ErrorKind};
 use robot_dynamics_xml::roxmltree::Node;
-use robot_dynamics_xml::{Lines, XmlError, excerpt};
-use thiserror::Error;
+use robot_dynamics_xml::{Lines, excerpt};
+
+use crate::{LoadError, UrdfError};
 
 /// The deepest nesting of elements. An SRDF file has three levels.
 const DEPTH_LIMIT: usize = 200;
-
-/// The reason for which an SRDF file is refused.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // The message of each variant names its fields.
-pub enum SrdfError {
-    /// The file cannot be read, or is not XML.
-    #[error(transparent)]
-    Xml(#[from] XmlError),
-    /// Well-formed XML of another kind.
-    #[error("line {line}: the outermost element is <{found}>, not <robot>; this is not an SRDF file")]
-    NotSrdf { line: usize, found: String },
-    /// A URDF file.
-    #[error("line {line}: <{found}> belongs to URDF; give the SRDF file, which has <disable_collisions>")]
-    Urdf { line: usize, found: String },
-    /// The name of a link is missing.
-    #[error("line {line}: <{element}> lacks the attribute `{attribute}`, the name of a link")]
-    MissingAttribute { line: usize, element: String, attribute: &'static str },
-}
-
-impl Classified for SrdfError {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::File
-    }
-}
 
 /// The pairs of links for which an SRDF file disables collisions, each once. `links` are the robot's links.
 ///
@@ -51,17 +26,19 @@ impl Classified for SrdfError {
 /// let pairs = robot_dynamics_urdf::disabled_collisions(text, &["base", "shoulder", "hand", "cable"])?;
 /// let names: Vec<_> = pairs.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
 /// assert_eq!(names, [("base", "shoulder"), ("cable", "base"), ("cable", "shoulder")]);
-/// # Ok::<(), robot_dynamics_urdf::SrdfError>(())
+/// # Ok::<(), robot_dynamics_urdf::LoadError>(())
 /// ```
 ///
 /// # Errors
-/// [`SrdfError`] if the text is not SRDF, or if a pair lacks a link. Names of unknown links are returned as
+/// [`LoadError`] with one error if the text is not SRDF, or if a pair lacks a link. Names of unknown links are returned as
 /// written.
-pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {
-    robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, _| {
+#[doc(alias = "SrdfError")]
+pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, String)>, LoadError> {
+    let read = robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, _| {
         let lines = Lines::of(document.input_text());
         read_pairs(document.root_element(), &lines, links)
-    })?
+    });
+    Ok(read.map_err(UrdfError::from)??)
 }
 
 /// Reads an SRDF file for a robot: see [`disabled_collisions`].
@@ -73,23 +50,29 @@ pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, St
 /// ```
 ///
 /// # Errors
-/// [`SrdfError`] if the file cannot be read, and as [`disabled_collisions`].
+/// [`LoadError`] with one error if the file cannot be read, and as [`disabled_collisions`].
 pub fn load_disabled_collisions(
     path: &Path,
     robot: &RobotDescription,
-) -> Result<Vec<(String, String)>, SrdfError> {
+) -> Result<Vec<(String, String)>, LoadError> {
     let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
-    disabled_collisions(&robot_dynamics_xml::read_file(path)?, &links)
+    disabled_collisions(&robot_dynamics_xml::read_file(path).map_err(UrdfError::from)?, &links)
 }
 
-fn read_pairs(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {
+fn read_pairs(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, UrdfError> {
     let line = |node: Node<'_, '_>| lines.line(node.range().start);
     let found = |node: Node<'_, '_>| excerpt(node.tag_name().name());
     if root.tag_name().name() != "robot" {
-        return Err(SrdfError::NotSrdf { line: line(root), found: found(root) });
+        let advice = "this is not an SRDF file";
+        return Err(UrdfError::NotARobot { line: line(root), found: found(root), advice });
     }
     let link = |node: Node<'_, '_>, attribute: &'static str| {
-        let missing = || SrdfError::MissingAttribute { line: line(node), element: found(node), attribute };
+        let missing = || UrdfError::MissingAttribute {
+            line: line(node),
+            place: format!("<{}>", found(node)),
+            attribute: attribute.into(),
+            example: format!("{attribute}=\"…\", the name of a link"),
+        };
         node.attribute(attribute).filter(|name| !name.is_empty()).map(str::to_owned).ok_or_else(missing)
     };
     let (mut pairs, mut enabled) = (Vec::new(), BTreeSet::new());
@@ -105,7 +88,7 @@ fn read_pairs(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(
                 let others = links.iter().filter(|other| **other != own);
                 pairs.extend(others.map(|other| (own.clone(), (*other).to_owned())));
             }
-            "link" => return Err(SrdfError::Urdf { line: line(node), found: found(node) }),
+            "link" => return Err(UrdfError::NotSrdf { line: line(node), found: found(node) }),
             _ => {}
         }
     }
@@ -134,12 +117,12 @@ mod tests {
         let error = |text: &str| disabled_collisions(text, &[]).expect_err("an error");
         let missing = error("<robot name=\"r\">\n<disable_collisions link1=\"a\"/></robot>");
         assert!(
-            matches!(missing, SrdfError::MissingAttribute { line: 2, attribute: "link2", .. }),
+            matches!(missing.errors(), [UrdfError::MissingAttribute { line: 2, attribute, .. }] if attribute == "link2"),
             "{missing}"
         );
         let urdf = error("<robot name=\"r\">\n<link name=\"a\"/></robot>");
-        assert!(matches!(urdf, SrdfError::Urdf { line: 2, .. }), "{urdf}");
-        assert!(matches!(error("<mujoco/>"), SrdfError::NotSrdf { line: 1, .. }));
-        assert!(matches!(error(""), SrdfError::Xml(XmlError::Empty)));
+        assert!(matches!(urdf.errors(), [UrdfError::NotSrdf { line: 2, .. }]), "{urdf}");
+        assert!(matches!(error("<mujoco/>").errors(), [UrdfError::NotARobot { line: 1, .. }]));
+        assert!(matches!(error("").errors(), [UrdfError::Empty]));
     }
 }

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use crate::BadStates;
 
-/// The error of a rollout that some states did not complete.
+/// The error of [`rollout`](crate::rollout) and of its pullback: an invalid argument, or states that did not
+/// reach the end.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RolloutError {

@@ -3,7 +3,7 @@
 use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput, check_finite};
 use thiserror::Error;
 
-/// An error of parameter identification.
+/// The error of [`BaseParameters::identify`](crate::BaseParameters::identify).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum IdentificationError {
@@ -20,14 +20,6 @@ pub enum IdentificationError {
         /// nv.
         coordinates: usize,
     },
-    /// A sample has an invalid configuration or a number that is not finite.
-    #[error("sample {sample}: {source}")]
-    BadSample {
-        /// The index of the sample.
-        sample: usize,
-        /// The problem with the sample.
-        source: InvalidInput,
-    },
     /// The data do not excite all of the base parameters.
     #[error(
         "the data determine {rank} of the {unknowns} base parameters; not `{missing}`, for one: move more of the robot"
@@ -40,7 +32,7 @@ pub enum IdentificationError {
         /// The base parameter that is determined worst.
         missing: String,
     },
-    /// A list of parameters has the wrong length or a number that is not finite, or a result overflows.
+    /// A sample or a list of parameters is invalid, or a result overflows.
     #[error(transparent)]
     Input(#[from] InvalidInput),
 }
@@ -48,7 +40,6 @@ pub enum IdentificationError {
 impl Classified for IdentificationError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::BadSample { source, .. } => source.kind(),
             Self::Input(error) => error.kind(),
             Self::TooFewData { .. } | Self::NotExcited { .. } => ErrorKind::Infeasible,
         }

@@ -5,9 +5,7 @@ use robot_dynamics_core::{
     Model, PARAMETERS_PER_LINK, Workspace, check_configuration, check_vector, dissipation,
     inertial_parameters, inverse_dynamics, joint_torque_regressor,
 };
-use robot_dynamics_number::check_result;
-
-use super::IdentificationError;
+use robot_dynamics_number::{InvalidInput, check_result};
 
 /// Samples (q, v, a, τ) of one robot, as equations W π = τ.
 ///
@@ -36,11 +34,14 @@ impl<'a> MotionRecord<'a> {
     /// Adds a state with its acceleration and the torque measured there.
     ///
     /// # Errors
-    /// [`IdentificationError::BadSample`] with the problem of the sample.
-    pub fn push(&mut self, q: &[f64], v: &[f64], a: &[f64], tau: &[f64]) -> Result<(), IdentificationError> {
+    /// [`InvalidInput`] with the number of the sample.
+    pub fn push(&mut self, q: &[f64], v: &[f64], a: &[f64], tau: &[f64]) -> Result<(), InvalidInput> {
         let nv = self.model.nv();
         let sample = self.len();
-        let bad_sample = |source| IdentificationError::BadSample { sample, source };
+        let bad_sample = |error: InvalidInput| {
+            let quantity = format!("sample {sample}: {}", error.quantity);
+            error.of(quantity)
+        };
         check_configuration(self.model, q).map_err(bad_sample)?;
         for (name, values) in [("v", v), ("a", a), ("tau", tau)] {
             check_vector(self.model, name, values).map_err(bad_sample)?;

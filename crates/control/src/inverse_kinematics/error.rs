@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::{FrameTarget, InverseKinematicsOptions, InverseKinematicsSolution};
 
-/// An error of [`inverse_kinematics`](crate::inverse_kinematics).
+/// The error of [`inverse_kinematics`](crate::inverse_kinematics).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InverseKinematicsError {

@@ -3,56 +3,15 @@
 use core::fmt;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
-/// An error of [`dlqr`](crate::dlqr).
+/// The error of [`dlqr`](crate::dlqr): an invalid matrix, or a problem without a stabilizing gain.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DlqrError {
-    /// There is no state or no force: A or B has no entries.
-    Empty {
-        /// `A` or `B`.
-        matrix: &'static str,
-    },
-    /// The shape of a matrix does not match A's rows and B's columns.
-    WrongShape {
-        /// `A`, `B`, `Q` or `R`.
-        matrix: &'static str,
-        /// The given rows and columns.
-        found: (usize, usize),
-        /// The required rows and columns.
-        expected: (usize, usize),
-    },
-    /// An entry is NaN or infinite.
-    NonFinite {
-        /// `A`, `B`, `Q` or `R`.
-        matrix: &'static str,
-        /// Its row.
-        row: usize,
-        /// Its column.
-        column: usize,
-    },
-    /// Q or R differs from its transpose by more than rounding.
-    NotSymmetric {
-        /// `Q` or `R`.
-        matrix: &'static str,
-        /// The row of the entry.
-        row: usize,
-        /// The column of the entry.
-        column: usize,
-        /// The difference from the entry across the diagonal.
-        difference: f64,
-    },
-    /// R is not positive definite: some force has no cost.
-    EffortNotPositiveDefinite {
-        /// R's smallest eigenvalue.
-        eigenvalue: f64,
-    },
-    /// Q is not positive semidefinite: some state has a negative cost.
-    CostNotSemidefinite {
-        /// Q's smallest eigenvalue.
-        eigenvalue: f64,
-    },
+    /// A matrix has no entries, the wrong shape, or an entry that is not finite; Q or R is not symmetric, R not
+    /// positive definite, or Q not positive semidefinite.
+    Input(InvalidInput),
     /// A mode of A does not decay and no force acts on it: (A, B) is not stabilizable.
     NotStabilizable {
         /// The modulus of its eigenvalue, 1 or more.
@@ -77,38 +36,15 @@ impl Classified for DlqrError {
         match self {
             Self::NotStabilizable { .. } | Self::NotDetectable { .. } => ErrorKind::Infeasible,
             Self::NotConverged => ErrorKind::NotConverged,
-            _ => ErrorKind::InvalidInput,
+            Self::Input(error) => error.kind(),
         }
     }
 }
 
 impl fmt::Display for DlqrError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Empty { matrix } => {
-                write!(f, "{matrix} has no entries; give at least one state and one force")
-            }
-            Self::WrongShape { matrix, found: (rows, columns), expected: (n, m) } => {
-                write!(f, "{matrix} is {rows}×{columns}, it must be {n}×{m}: A is n×n, B n×m, Q n×n, R m×m")
-            }
-            Self::NonFinite { matrix, row, column } => {
-                write!(f, "{matrix}[{row}, {column}] is not finite; every number must be")
-            }
-            Self::NotSymmetric { matrix, row, column, difference } => write!(
-                f,
-                "{matrix}[{row}, {column}] and {matrix}[{column}, {row}] differ by {difference:e}; \
-                 {matrix} must be symmetric"
-            ),
-            Self::EffortNotPositiveDefinite { eigenvalue } => write!(
-                f,
-                "R is not positive definite, its smallest eigenvalue is {eigenvalue:e}; \
-                 give every force a cost above 0"
-            ),
-            Self::CostNotSemidefinite { eigenvalue } => write!(
-                f,
-                "Q is not positive semidefinite, its smallest eigenvalue is {eigenvalue:e}; \
-                 give no state a cost below 0"
-            ),
+        match self {
+            Self::Input(error) => error.fmt(f),
             Self::NotStabilizable { modulus, angle } => write!(
                 f,
                 "no force moves the mode of A with eigenvalue {modulus:.6} ∠ {angle:.6} rad, which does not decay: \
@@ -130,26 +66,37 @@ impl fmt::Display for DlqrError {
 
 impl core::error::Error for DlqrError {}
 
+impl From<InvalidInput> for DlqrError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Input(error)
+    }
+}
+
 /// Checks the matrices of a linear-quadratic problem; returns R's factor.
 pub(super) fn check_matrices(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
     q: &DMatrix<f64>,
     r: &DMatrix<f64>,
-) -> Result<Cholesky<f64, Dyn>, DlqrError> {
+) -> Result<Cholesky<f64, Dyn>, InvalidInput> {
     let (n, m) = (a.nrows(), b.ncols());
     for (matrix, x) in [("A", a), ("B", b)] {
         if x.is_empty() {
-            return Err(DlqrError::Empty { matrix });
+            return Err(InvalidInput::unmet(matrix, "has no entries; give at least one state and one force"));
         }
     }
     for (matrix, x, expected) in [("A", a, (n, n)), ("B", b, (n, m)), ("Q", q, (n, n)), ("R", r, (m, m))] {
         if x.shape() != expected {
-            return Err(DlqrError::WrongShape { matrix, found: x.shape(), expected });
+            let ((rows, columns), (n, m)) = (x.shape(), expected);
+            let shapes = format!("is {rows}×{columns}, it must be {n}×{m}: A is n×n, B n×m, Q n×n, R m×m");
+            return Err(InvalidInput::unmet(matrix, shapes));
         }
         if let Some(index) = x.iter().position(|x| !x.is_finite()) {
             let (row, column) = (index % x.nrows(), index / x.nrows());
-            return Err(DlqrError::NonFinite { matrix, row, column });
+            return Err(InvalidInput::unmet(
+                format!("{matrix}[{row}, {column}]"),
+                "is not finite; every number must be",
+            ));
         }
     }
     check_symmetric("Q", q)?;
@@ -157,9 +104,17 @@ pub(super) fn check_matrices(
     let eigenvalue = q.symmetric_eigenvalues().min();
     // A product CᵀC has negative eigenvalues by rounding.
     if eigenvalue < -10.0 * n as f64 * f64::EPSILON * q.amax() {
-        return Err(DlqrError::CostNotSemidefinite { eigenvalue });
+        let advice = "give no state a cost below 0";
+        let definite =
+            format!("is not positive semidefinite, its smallest eigenvalue is {eigenvalue:e}; {advice}");
+        return Err(InvalidInput::unmet("Q", definite));
     }
-    let indefinite = || DlqrError::EffortNotPositiveDefinite { eigenvalue: r.symmetric_eigenvalues().min() };
+    let indefinite = || {
+        let (eigenvalue, advice) = (r.symmetric_eigenvalues().min(), "give every force a cost above 0");
+        let definite =
+            format!("is not positive definite, its smallest eigenvalue is {eigenvalue:e}; {advice}");
+        InvalidInput::unmet("R", definite)
+    };
     let factor = r.clone().cholesky().ok_or_else(indefinite)?;
     // Compares each pivot with its diagonal entry, so that the units of the forces do not matter.
     let rounding = 10.0 * m as f64 * f64::EPSILON;
@@ -168,13 +123,15 @@ pub(super) fn check_matrices(
 }
 
 /// Checks that a matrix is symmetric to the rounding of a product.
-fn check_symmetric(matrix: &'static str, x: &DMatrix<f64>) -> Result<(), DlqrError> {
+fn check_symmetric(matrix: &'static str, x: &DMatrix<f64>) -> Result<(), InvalidInput> {
     let allowed = 1e-12 * x.amax();
     for column in 0..x.ncols() {
         for row in 0..column {
             let difference = (x[(row, column)] - x[(column, row)]).abs();
             if difference > allowed {
-                return Err(DlqrError::NotSymmetric { matrix, row, column, difference });
+                let both = format!("{matrix}[{row}, {column}] and {matrix}[{column}, {row}]");
+                let differ = format!("differ by {difference:e}; {matrix} must be symmetric");
+                return Err(InvalidInput::unmet(both, differ));
             }
         }
     }

@@ -76,39 +76,15 @@ impl MotionLimits {
     }
 }
 
-/// An error of a path through waypoints, or of its time parameterization.
+/// The error of [`time_optimal`](crate::time_optimal): an invalid argument, or a path that the limits do not allow.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "SplineError")]
 pub enum ParameterizationError {
-    /// Waypoints have different lengths, or a number of one is not finite or too large.
+    /// There are fewer than two waypoints, two equal ones follow each other, or they have different lengths. A
+    /// number of a waypoint, the path or a requested speed is not finite, or a limit is not positive.
     #[error(transparent)]
     Input(#[from] InvalidInput),
-    /// There are fewer than two waypoints.
-    #[error("a spline needs at least two waypoints, got {count}")]
-    TooFewWaypoints {
-        /// The number of waypoints.
-        count: usize,
-    },
-    /// A waypoint equals the one before, and the path would have zero velocity there.
-    #[error("waypoints {} and {index} are the same point; leave one out", .index - 1)]
-    RepeatedWaypoint {
-        /// The index of the second of the two.
-        index: usize,
-    },
-    /// A limit of torque or velocity is not positive, or a position limit is NaN.
-    #[error(
-        "the {quantity} limit of coordinate `{coordinate}` is {value}; it must be {}",
-        if value.is_nan() { "a number" } else { "positive" }
-    )]
-    BadLimit {
-        /// `torque`, `velocity`, `lower` or `upper`.
-        quantity: &'static str,
-        /// The name of the coordinate.
-        coordinate: String,
-        /// The value of the limit.
-        value: f64,
-    },
     /// The path exceeds the position limits.
     #[error(
         "the path leaves the limits of position at s = {s}: coordinate `{coordinate}` is at {value}, its limits are {lower} and {upper}; \
@@ -126,12 +102,6 @@ pub enum ParameterizationError {
         /// The largest allowed value.
         upper: f64,
     },
-    /// The path, or its first or last s, has a number that is not finite.
-    #[error("the path or the torques along it are not finite at s = {s}")]
-    NotFinite {
-        /// The path parameter.
-        s: f64,
-    },
     /// No speed is admissible at this point of the path, usually because gravity alone exceeds the torque
     /// limits.
     #[error(
@@ -147,14 +117,6 @@ pub enum ParameterizationError {
         needed: f64,
         /// The limit of the coordinate.
         limit: f64,
-    },
-    /// A requested speed at the start or the end is negative or not finite.
-    #[error("the speed ds/dt at the {place} of the path must be finite and not negative, got {speed}")]
-    BadSpeed {
-        /// `start` or `end`.
-        place: &'static str,
-        /// The requested speed.
-        speed: f64,
     },
     /// The speed is zero at both ends of an interval, so the motion cannot cross it.
     #[error(
@@ -186,11 +148,6 @@ impl Classified for ParameterizationError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::TooFewWaypoints { .. }
-            | Self::RepeatedWaypoint { .. }
-            | Self::BadLimit { .. }
-            | Self::NotFinite { .. }
-            | Self::BadSpeed { .. } => ErrorKind::InvalidInput,
             _ => ErrorKind::Infeasible,
         }
     }

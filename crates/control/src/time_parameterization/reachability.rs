@@ -5,6 +5,7 @@
 
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::InvalidInput;
 
 use super::grid::{MOST_REFINEMENTS, check_position, grid, refined};
 use super::half_planes::HalfPlanes;
@@ -90,12 +91,13 @@ pub fn time_optimal(
     assert!(n > 0, "a timing needs at least one interval");
     for (place, speed) in [("start", options.start_speed), ("end", options.end_speed)] {
         if !(speed >= 0.0 && speed.is_finite()) {
-            return Err(ParameterizationError::BadSpeed { place, speed });
+            let quantity = format!("the speed ds/dt at the {place} of the path");
+            return Err(InvalidInput::out_of_range(quantity, speed, "", "finite and not negative").into());
         }
     }
     check_limits(model, limits)?;
     if let Some(s) = [path.start(), path.end()].into_iter().find(|s| !s.is_finite()) {
-        return Err(ParameterizationError::NotFinite { s });
+        return Err(not_finite(s).into());
     }
     let mut grid = grid(path, n);
     check_position(model, path, limits, &grid)?;
@@ -206,7 +208,7 @@ fn stages(
         let numbers = coefficients.a.iter().chain(&coefficients.b).chain(&coefficients.c);
         let given = point.q.iter().chain(&point.dq).chain(&point.ddq);
         if numbers.chain(given).any(|x| !x.is_finite()) {
-            return Err(ParameterizationError::NotFinite { s });
+            return Err(not_finite(s).into());
         }
         let bounds = point.dq.iter().zip(&options.limits.velocity);
         let largest = bounds.filter(|(dq, _)| **dq != 0.0).map(|(dq, v)| (v / dq).powi(2));
@@ -225,19 +227,29 @@ fn stages(
     Ok(stages)
 }
 
-fn check_limits(model: &Model, limits: &MotionLimits) -> Result<(), ParameterizationError> {
+/// The error of a path with a number that is not finite at s.
+fn not_finite(s: f64) -> InvalidInput {
+    InvalidInput::unmet("the path", format!("or the torques along it are not finite at s = {s}"))
+}
+
+/// The error of a limit that is not positive, or NaN.
+fn bad_limit(model: &Model, quantity: &str, index: usize, value: f64) -> InvalidInput {
+    let limit = format!("the {quantity} limit of coordinate `{}`", model.coordinate_names()[index]);
+    let needed = if value.is_nan() { "a number" } else { "positive" };
+    InvalidInput::unmet(limit, format!("is {value}; it must be {needed}"))
+}
+
+fn check_limits(model: &Model, limits: &MotionLimits) -> Result<(), InvalidInput> {
     for (quantity, values) in [("lower", &limits.lower), ("upper", &limits.upper)] {
         check_length("the limits", values.len(), model.nv());
         if let Some(k) = values.iter().position(|x| x.is_nan()) {
-            let coordinate = model.coordinate_names()[k].clone();
-            return Err(ParameterizationError::BadLimit { quantity, coordinate, value: values[k] });
+            return Err(bad_limit(model, quantity, k, values[k]));
         }
     }
     for (quantity, values) in [("torque", &limits.torque), ("velocity", &limits.velocity)] {
         check_length("the limits", values.len(), model.nv());
         if let Some(k) = values.iter().position(|x| x.is_nan() || *x <= 0.0) {
-            let coordinate = model.coordinate_names()[k].clone();
-            return Err(ParameterizationError::BadLimit { quantity, coordinate, value: values[k] });
+            return Err(bad_limit(model, quantity, k, values[k]));
         }
     }
     Ok(())

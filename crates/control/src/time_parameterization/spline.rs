@@ -1,6 +1,6 @@
 //! A cubic spline through waypoints.
 
-use super::{ParameterizationError, TreePath, TreePathPoint};
+use super::{TreePath, TreePathPoint};
 use robot_dynamics_number::{InputProblem, InvalidInput, check_finite, check_result};
 
 /// The natural cubic spline through waypoints, twice continuously differentiable, for plain coordinates only.
@@ -27,11 +27,12 @@ impl CubicSpline {
     /// Creates a spline through these configurations, in order.
     ///
     /// # Errors
-    /// [`ParameterizationError`] if there are fewer than two waypoints, their lengths differ, a number
+    /// [`InvalidInput`] if there are fewer than two waypoints, their lengths differ, a number
     /// is not finite, or two consecutive waypoints are equal.
-    pub fn through(waypoints: &[Vec<f64>]) -> Result<Self, ParameterizationError> {
+    pub fn through(waypoints: &[Vec<f64>]) -> Result<Self, InvalidInput> {
         if waypoints.len() < 2 {
-            return Err(ParameterizationError::TooFewWaypoints { count: waypoints.len() });
+            let found = format!("needs at least two waypoints, got {}", waypoints.len());
+            return Err(InvalidInput::unmet("a spline", found));
         }
         let expected = waypoints[0].len();
         let mut knots = vec![0.0];
@@ -39,14 +40,15 @@ impl CubicSpline {
             if point.len() != expected {
                 let (found, owner, hint) = (point.len(), "the path".into(), ", as the first waypoint has");
                 let problem = InputProblem::WrongLength { found, expected, owner, hint };
-                return Err(InvalidInput::new(format!("waypoint {index}"), problem).into());
+                return Err(InvalidInput::new(format!("waypoint {index}"), problem));
             }
             check_finite(&format!("waypoint {index}"), point)?;
             if index > 0 {
                 let before = &waypoints[index - 1];
                 let chord: f64 = point.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
                 if chord == 0.0 {
-                    return Err(ParameterizationError::RepeatedWaypoint { index });
+                    let both = format!("waypoints {} and {index}", index - 1);
+                    return Err(InvalidInput::unmet(both, "are the same point; leave one out"));
                 }
                 knots.push(knots[index - 1] + chord.sqrt());
             }

@@ -5,7 +5,8 @@ use thiserror::Error;
 
 use crate::SingularMass;
 
-/// An invalid state, or a robot that is singular in that state.
+/// An invalid state, or a robot that is singular in that state: the error of the methods of
+/// [`Model`](crate::Model) that compute a quantity of motion.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MotionError {

@@ -1,8 +1,7 @@
 //! Maps between the coordinates of a robot and of the same robot with some joints locked.
 
-use robot_dynamics_description::{Pose, check_length, moved_by, similar};
-use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
-use thiserror::Error;
+use robot_dynamics_description::{ModelError, Pose, check_length, moved_by, unknown_name};
+use robot_dynamics_number::InvalidInput;
 
 use crate::configuration::manifold::check_configuration;
 use crate::model::identity::Identity;
@@ -10,64 +9,6 @@ use crate::{Joint, Model};
 
 /// The largest deviation of a locked joint from the reference \[m, and entries of R\].
 const SAME_PLACE: f64 = 1e-9;
-
-/// A reduced model that does not match the full one.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum JointMapError {
-    /// The reference is an invalid configuration of the full model.
-    #[error("the reference: {0}")]
-    Reference(#[from] InvalidInput),
-    /// The full model lacks a moving joint of the reduced model.
-    #[error(
-        "joint `{joint}` of the reduced robot `{reduced}` is none of `{full}`{}",
-        .similar.as_ref().map(|similar| format!("; is it `{similar}`?")).unwrap_or_default()
-    )]
-    NoSuchJoint {
-        /// The joint.
-        joint: String,
-        /// The reduced robot's name.
-        reduced: String,
-        /// The full robot's name.
-        full: String,
-        /// The full robot's joint of the most similar name, if there is one.
-        similar: Option<String>,
-    },
-    /// The joint has different kinds in the two models, or is a mimic joint in only one of them.
-    #[error(
-        "joint `{joint}` is {reduced} in the reduced robot and {full} in the full one; \
-         it must move the same way in both, or be fixed in the reduced one"
-    )]
-    DifferentJoint {
-        /// The joint.
-        joint: String,
-        /// Its motion in the reduced robot: its kind, or its leader.
-        reduced: String,
-        /// Its motion in the full robot.
-        full: String,
-    },
-    /// The joint is locked at a position that differs from the reference.
-    #[error(
-        "joint `{joint}` is locked {distance:e} off (m, or entries of its rotation) where the reference has it; \
-         give the position that it was locked at"
-    )]
-    LockedElsewhere {
-        /// The joint, or the base's joint if the base is fixed.
-        joint: String,
-        /// The largest difference of an entry of its child's placement.
-        distance: f64,
-    },
-}
-
-impl Classified for JointMapError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Reference(error) => error.kind(),
-            Self::NoSuchJoint { .. } => ErrorKind::UnknownName,
-            Self::DifferentJoint { .. } | Self::LockedElsewhere { .. } => ErrorKind::Description,
-        }
-    }
-}
 
 /// The indices in a full model's q and v of the numbers of a reduced one.
 ///
@@ -125,21 +66,19 @@ impl JointMap {
     /// Masses and gravity are not compared: a load attached to only one of the two is not an error.
     ///
     /// # Errors
-    /// [`JointMapError`]: an invalid reference; a moving joint of the reduced model that is absent from the
-    /// full one or moves differently there; or a joint locked more than 1e-9 off the reference.
-    pub fn new(full: &Model, reduced: &Model, reference: &[f64]) -> Result<Self, JointMapError> {
-        check_configuration(full, reference)?;
+    /// [`ModelError::Input`] for an invalid reference, or a moving joint of the reduced model that is absent
+    /// from the full one; [`ModelError::NotReduced`] for a joint that moves differently there, or is locked
+    /// more than 1e-9 off the reference.
+    pub fn new(full: &Model, reduced: &Model, reference: &[f64]) -> Result<Self, ModelError> {
+        check_configuration(full, reference).map_err(|error| {
+            let quantity = format!("the reference: {}", error.quantity);
+            error.of(quantity)
+        })?;
         let (mut q_indices, mut v_indices) = (Vec::new(), Vec::new());
         for joint in reduced.joints().iter().filter(|joint| joint.nq > 0 || joint.mimic.is_some()) {
-            let own = full.joint(&joint.name).ok_or_else(|| JointMapError::NoSuchJoint {
-                joint: joint.name.clone(),
-                reduced: reduced.name().to_owned(),
-                full: full.name().to_owned(),
-                similar: similar(&joint.name, full.joints().iter().map(|joint| joint.name.as_str())),
-            })?;
+            let own = full.joint(&joint.name).ok_or_else(|| no_such_joint(full, reduced, joint))?;
             if (own.nq, own.kind.name(), leader(own)) != (joint.nq, joint.kind.name(), leader(joint)) {
-                let (joint, reduced, full) = (joint.name.clone(), movement(joint), movement(own));
-                return Err(JointMapError::DifferentJoint { joint, reduced, full });
+                return Err(moves_differently(joint, own));
             }
             q_indices.extend(own.q());
             v_indices.extend(own.v());
@@ -151,8 +90,7 @@ impl JointMap {
                 && moves(leader)
                 && own.mimic.is_none()
             {
-                let (reduced, full) = (movement(own), movement(joint));
-                return Err(JointMapError::DifferentJoint { joint: joint.name.clone(), reduced, full });
+                return Err(moves_differently(own, joint));
             }
         }
         let mut locked = Vec::new();
@@ -163,7 +101,7 @@ impl JointMap {
             let q = &reference[joint.q()];
             let distance = distance_from_reference(full, reduced, joint, q);
             if distance.is_nan() || distance > SAME_PLACE {
-                return Err(JointMapError::LockedElsewhere { joint: joint.name.clone(), distance });
+                return Err(locked_elsewhere(&joint.name, distance));
             }
             locked.push(joint.name.clone());
         }
@@ -260,6 +198,35 @@ fn leader(joint: &Joint) -> Option<&str> {
 /// A joint's kind, or its leader.
 fn movement(joint: &Joint) -> String {
     leader(joint).map_or_else(|| joint.kind.name().into(), |leader| format!("a follower of `{leader}`"))
+}
+
+fn no_such_joint(full: &Model, reduced: &Model, joint: &Joint) -> InvalidInput {
+    let names = full.joints().iter().map(|joint| joint.name.as_str());
+    let owner = format!(
+        "joint `{}` moves in the reduced robot `{}`, but `{}`",
+        joint.name,
+        reduced.name(),
+        full.name()
+    );
+    unknown_name("joint", &joint.name, owner, names)
+}
+
+fn moves_differently(reduced: &Joint, full: &Joint) -> ModelError {
+    let reason = format!(
+        "is {} in the reduced robot and {} in the full one; it must move the same way in both, or be fixed in the \
+         reduced one",
+        movement(reduced),
+        movement(full)
+    );
+    ModelError::NotReduced { joint: full.name.clone(), reason }
+}
+
+fn locked_elsewhere(joint: &str, distance: f64) -> ModelError {
+    let reason = format!(
+        "is locked {distance:e} off (m, or entries of its rotation) where the reference has it; give the position \
+         that it was locked at"
+    );
+    ModelError::NotReduced { joint: joint.into(), reason }
 }
 
 /// The largest difference between entries of a joint's placement in the reduced model and at q; 0 if the

@@ -7,9 +7,10 @@
 #[cfg(feature = "native")]
 use std::sync::Arc;
 
-use robot_dynamics_description::{Limits, NoSuchFrame, RobotDescription};
+use robot_dynamics_description::{Limits, RobotDescription, unknown_name};
 #[cfg(feature = "native")]
 use robot_dynamics_expression::Arithmetic;
+use robot_dynamics_number::InvalidInput;
 
 use crate::model::body::{Body, Dof};
 use crate::model::frame::{Frame, FrameId, refuse_frame};
@@ -235,7 +236,7 @@ impl Model {
     /// The frame (or link) of this name, or an error that lists similar names.
     ///
     /// # Errors
-    /// [`NoSuchFrame`] if there is no frame of this name.
+    /// [`InvalidInput`] if there is no frame of this name.
     ///
     /// ```
     /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -246,10 +247,11 @@ impl Model {
     /// assert!(model.frame_named("hand").unwrap_err().to_string().contains("no frame or link `hand`"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn frame_named(&self, name: &str) -> Result<FrameId, NoSuchFrame> {
+    #[doc(alias = "NoSuchFrame")]
+    pub fn frame_named(&self, name: &str) -> Result<FrameId, InvalidInput> {
         self.frame(name).ok_or_else(|| {
             let names = self.frames.iter().map(|frame| frame.name.as_str());
-            NoSuchFrame::new(self.name(), name, names)
+            unknown_name("frame or link", name, format!("robot `{}`", self.name()), names)
         })
     }
 

@@ -1,26 +1,15 @@
 //! Errors of mass properties.
 
 use core::fmt;
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
-/// The reason why mass properties are invalid.
+/// The reason why mass properties are invalid: the error of the constructors of
+/// [`MassProperties`](crate::MassProperties) and [`RotationalInertia`](crate::RotationalInertia).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InertiaError {
-    /// A number is NaN or infinite.
-    NonFinite {
-        /// The quantity: `mass`, `center of mass`, `inertia`, `density`, `size`, …
-        quantity: &'static str,
-        /// The index of the entry; row-major for the inertia.
-        index: usize,
-    },
-    /// A mass, a density or a length is not positive.
-    NotPositive {
-        /// The quantity.
-        quantity: &'static str,
-        /// Its value, in SI units.
-        value: f64,
-    },
+    /// A number is not finite, a mass, a density or a length is not positive, or a composite body has no parts.
+    Input(InvalidInput),
     /// The inertia matrix is not symmetric.
     NotSymmetric {
         /// Row of the worse of the two entries.
@@ -31,11 +20,6 @@ pub enum InertiaError {
         upper: f64,
         /// The entry at (column, row) \[kg·m²\].
         lower: f64,
-    },
-    /// A mass is negative.
-    NegativeMass {
-        /// Its value \[kg\].
-        value: f64,
     },
     /// A principal moment is negative.
     NegativeMoment {
@@ -53,14 +37,12 @@ pub enum InertiaError {
         /// The principal moments, ascending \[kg·m²\].
         moments: [f64; 3],
     },
-    /// A composite body without parts.
-    NoParts,
 }
 
 impl Classified for InertiaError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NonFinite { .. } | Self::NotPositive { .. } => ErrorKind::InvalidInput,
+            Self::Input(error) => error.kind(),
             _ => ErrorKind::Description,
         }
     }
@@ -69,17 +51,11 @@ impl Classified for InertiaError {
 impl fmt::Display for InertiaError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NonFinite { quantity, index } => write!(f, "{quantity}[{index}] is not finite"),
-            Self::NotPositive { quantity, value } => {
-                write!(f, "the {quantity} is {value}; it must be positive")
-            }
+            Self::Input(error) => error.fmt(f),
             Self::NotSymmetric { row, column, upper, lower } => write!(
                 f,
                 "the inertia is not symmetric: entry ({row}, {column}) is {upper}, entry ({column}, {row}) is {lower}"
             ),
-            Self::NegativeMass { value } => {
-                write!(f, "the mass is {value} kg; a body's mass is zero or positive")
-            }
             Self::NegativeMoment { moments } => {
                 let [a, b, c] = moments.map(six_digits);
                 write!(f, "a principal moment is negative: {a}, {b}, {c} kg·m²; no mass distribution has it")
@@ -102,12 +78,17 @@ impl fmt::Display for InertiaError {
                      so a torque about it determines no motion; give the body some width"
                 )
             }
-            Self::NoParts => write!(f, "a composite body needs at least one part"),
         }
     }
 }
 
 impl core::error::Error for InertiaError {}
+
+impl From<InvalidInput> for InertiaError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Input(error)
+    }
+}
 
 /// Formats a number with at most six digits, and with a power of ten if it is very large or small, for
 /// messages.
@@ -127,15 +108,18 @@ pub fn six_digits(x: f64) -> String {
 }
 
 /// Rejects a list with a NaN or an infinity.
-pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InertiaError> {
+pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InvalidInput> {
     match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(InertiaError::NonFinite { quantity, index }),
+        Some(index) => Err(InvalidInput::unmet(format!("{quantity}[{index}]"), "is not finite")),
         None => Ok(()),
     }
 }
 
 /// Rejects a number that is not finite and positive.
-pub(super) fn positive(quantity: &'static str, value: f64) -> Result<(), InertiaError> {
+pub(super) fn positive(quantity: &'static str, value: f64) -> Result<(), InvalidInput> {
     finite(quantity, &[value])?;
-    if value > 0.0 { Ok(()) } else { Err(InertiaError::NotPositive { quantity, value }) }
+    if value > 0.0 {
+        return Ok(());
+    }
+    Err(InvalidInput::unmet(format!("the {quantity}"), format!("is {value}; it must be positive")))
 }

@@ -1,6 +1,7 @@
 //! The mass properties of one rigid body.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use robot_dynamics_number::InvalidInput;
 
 use super::error::{finite, positive};
 use super::{InertiaError, PrincipalInertia, parallel_axis};
@@ -89,7 +90,8 @@ impl MassProperties {
     ) -> Result<Self, InertiaError> {
         finite("mass", &[mass])?;
         if mass < 0.0 {
-            return Err(InertiaError::NegativeMass { value: mass });
+            let problem = format!("is {mass} kg; a body's mass is zero or positive");
+            return Err(InvalidInput::unmet("the mass", problem).into());
         }
         finite("center of mass", center_of_mass.as_slice())?;
         // nalgebra stores columns; the transpose gives the entries row by row.
@@ -111,7 +113,10 @@ impl MassProperties {
     /// # Ok::<(), InertiaError>(())
     /// ```
     pub fn flaw(&self) -> Option<InertiaError> {
-        positive("mass", self.mass).and_then(|()| check_moments(&self.inertia)).err()
+        positive("mass", self.mass)
+            .map_err(InertiaError::from)
+            .and_then(|()| check_moments(&self.inertia))
+            .err()
     }
 
     /// The violation of the laws by the moments \[kg·m²\]: max(−I₁, I₃ − I₁ − I₂), or zero if they are valid.
@@ -175,9 +180,10 @@ impl MassProperties {
     /// ```
     ///
     /// # Errors
-    /// [`InertiaError::NoParts`] for an empty list.
-    pub fn composite(parts: &[Self]) -> Result<Self, InertiaError> {
-        let (first, rest) = parts.split_first().ok_or(InertiaError::NoParts)?;
+    /// [`InvalidInput`] for an empty list.
+    pub fn composite(parts: &[Self]) -> Result<Self, InvalidInput> {
+        let missing = || InvalidInput::unmet("a composite body", "needs at least one part");
+        let (first, rest) = parts.split_first().ok_or_else(missing)?;
         Ok(rest.iter().fold(*first, |sum, part| sum.combine(part)))
     }
 

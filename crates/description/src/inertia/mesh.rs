@@ -198,14 +198,12 @@ mod tests {
     #[test]
     fn what_is_no_body_is_refused() {
         let inside_out: Triangles = brick(Vector3::repeat(1.0)).iter().map(|&[a, b, c]| [a, c, b]).collect();
-        assert_eq!(
-            MassProperties::solid_mesh(1.0, &inside_out),
-            Err(InertiaError::NotPositive { quantity: "volume", value: -1.0 })
-        );
+        let refused = MassProperties::solid_mesh(1.0, &inside_out).expect_err("a negative volume");
+        assert_eq!(refused.to_string(), "the volume is -1; it must be positive");
         let flat = [[Vector3::zeros(), Vector3::x(), Vector3::x()]];
         assert!(MassProperties::shell_mesh(1.0, &flat).is_err());
         assert!(MassProperties::solid_mesh(1.0, &[]).is_err());
         let broken = [[Vector3::zeros(), Vector3::x(), Vector3::repeat(f64::NAN)]];
-        assert!(matches!(MassProperties::solid_mesh(1.0, &broken), Err(InertiaError::NonFinite { .. })));
+        assert!(matches!(MassProperties::solid_mesh(1.0, &broken), Err(InertiaError::Input(_))));
     }
 }

@@ -129,7 +129,7 @@ impl MassProperties {
             .iter()
             .map(|&(mass, position)| Self::point(mass, position))
             .collect::<Result<Vec<_>, _>>()?;
-        Self::composite(&parts)
+        Ok(Self::composite(&parts)?)
     }
 
     /// ⟨x²⟩ = `spread` a² and so on, for a shape with three symmetry planes.

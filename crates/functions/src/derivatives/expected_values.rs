@@ -10,7 +10,7 @@ use crate::{Function, FunctionError, FunctionResult};
 /// The derivatives of a function in one state. For a pullback the last argument is the cotangent.
 ///
 /// # Errors
-/// [`FunctionError::NoSuchFrame`].
+/// [`FunctionError::Input`].
 pub(crate) fn derivatives_by_dual_numbers(
     (function, kind): (&Function, DerivativeKind),
     model: &Model,

@@ -21,7 +21,7 @@ fn missing_functions_and_precisions_are_rejected() {
     let DeviceError::Generate(robot_dynamics_generate::GenerateError::Function(error)) = error else {
         panic!("{error}")
     };
-    assert!(matches!(error, robot_dynamics_generate::FunctionError::NoSuchFrame(_)), "{error}");
+    assert!(matches!(error, robot_dynamics_generate::FunctionError::Input(_)), "{error}");
     let mut batches = device.compile::<f32>(&model, &[Function::Gravity, Function::MassMatrix]).unwrap();
     assert_eq!(batches.functions(), [&Function::Gravity, &Function::MassMatrix]);
     let error = batches.bias(&[0.0; 2], &[0.0; 2], &mut [0.0; 2]).unwrap_err();

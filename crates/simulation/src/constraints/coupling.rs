@@ -6,9 +6,8 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
-use robot_dynamics_number::check_number;
+use robot_dynamics_number::{InputProblem, InvalidInput, check_number};
 
-use super::ConstraintError;
 use crate::equality::relation::Relation;
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
@@ -27,16 +26,13 @@ impl Coupling {
     /// A coupling of coordinates, given by name ([`Model::coordinate_names`]), with coefficients.
     ///
     /// # Errors
-    /// [`ConstraintError::UnknownCoordinate`], [`ConstraintError::Input`].
-    pub fn new(model: &Model, terms: &[(&str, f64)], offset: f64) -> Result<Self, ConstraintError> {
+    /// [`InvalidInput`]: a coordinate does not exist, or a number is not finite.
+    pub fn new(model: &Model, terms: &[(&str, f64)], offset: f64) -> Result<Self, InvalidInput> {
         let names = model.coordinate_names();
         let term = |&(name, coefficient): &(&str, f64)| {
             check_number("a coupling's coefficient", coefficient)?;
             let found = names.iter().position(|known| known == name);
-            found.map(|index| (index, coefficient)).ok_or_else(|| ConstraintError::UnknownCoordinate {
-                name: name.to_owned(),
-                robot: model.name().to_owned(),
-            })
+            found.map(|index| (index, coefficient)).ok_or_else(|| no_coordinate(model, name))
         };
         check_number("a coupling's offset", offset)?;
         Ok(Self { terms: terms.iter().map(term).collect::<Result<_, _>>()?, offset })
@@ -54,4 +50,11 @@ impl Coupling {
             offset: self.offset,
         }
     }
+}
+
+/// The error of a coordinate that does not exist.
+pub(super) fn no_coordinate(model: &Model, name: &str) -> InvalidInput {
+    let owner = format!("robot `{}`", model.name());
+    let known = "; Model::coordinate_names lists them".to_owned();
+    InvalidInput::new("coordinate", InputProblem::UnknownName { name: name.into(), owner, known })
 }

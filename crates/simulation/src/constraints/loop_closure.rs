@@ -1,11 +1,12 @@
 //! Closed loops given beside a robot file, which can describe trees only.
 
 use robot_dynamics_core::Model;
-use robot_dynamics_description::Pose;
+use robot_dynamics_description::{Pose, unknown_name};
+use robot_dynamics_number::InvalidInput;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use super::{Anchor, ConstraintError, FrameConstraint, SpatialAxis};
+use super::{Anchor, FrameConstraint, SpatialAxis};
 
 /// A loop closed between two frames of a robot, by name.
 ///
@@ -37,16 +38,16 @@ impl LoopClosure {
     /// Finds the frames. A robot's own frame named `world` takes precedence over the world.
     ///
     /// # Errors
-    /// [`ConstraintError::UnknownFrame`] if a frame is missing.
-    pub fn resolve(&self, model: &Model) -> Result<FrameConstraint, ConstraintError> {
+    /// [`InvalidInput`] if a frame is missing.
+    pub fn resolve(&self, model: &Model) -> Result<FrameConstraint, InvalidInput> {
         let anchor = |name: &str| match model.frame(name) {
             Some(frame) => Ok(Anchor::Frame(frame)),
             None if name == "world" => Ok(Anchor::World(Pose::IDENTITY)),
-            None => Err(ConstraintError::UnknownFrame {
-                constraint: self.name.clone(),
-                frame: name.to_owned(),
-                robot: model.name().to_owned(),
-            }),
+            None => {
+                let owner = format!("constraint `{}`: robot `{}`", self.name, model.name());
+                let names = model.frames().iter().map(|frame| frame.name.as_str());
+                Err(unknown_name("link or frame", name, owner, names))
+            }
         };
         Ok(FrameConstraint { a: anchor(&self.frame_a)?, b: anchor(&self.frame_b)?, rows: self.rows.clone() })
     }

@@ -5,9 +5,9 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_number::check_number;
+use robot_dynamics_number::{InvalidInput, check_number};
 
-use super::ConstraintError;
+use super::coupling::no_coordinate;
 use crate::equality::relation::Relation;
 
 /// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints.
@@ -39,13 +39,13 @@ impl PolynomialCoupling {
     /// A coupling of joints of one degree of freedom, given by name, each with its reference position.
     ///
     /// # Errors
-    /// [`ConstraintError::UnknownCoordinate`], [`ConstraintError::Input`].
+    /// [`InvalidInput`]: a coordinate does not exist, or a number is not finite.
     pub fn new(
         model: &Model,
         joint: (&str, f64),
         leader: Option<(&str, f64)>,
         polynomial: [f64; 5],
-    ) -> Result<Self, ConstraintError> {
+    ) -> Result<Self, InvalidInput> {
         let numbers = polynomial.into_iter().chain([joint.1]).chain(leader.map(|leader| leader.1));
         for value in numbers {
             check_number("a number of a polynomial coupling", value)?;
@@ -56,7 +56,7 @@ impl PolynomialCoupling {
             if is_single {
                 Ok(JointSum::new(model, -reference, [(name, 1.0)]))
             } else {
-                Err(ConstraintError::UnknownCoordinate { name: name.into(), robot: model.name().into() })
+                Err(no_coordinate(model, name))
             }
         };
         let leader = leader.map_or(Ok(JointSum::default()), position)?;

@@ -63,7 +63,7 @@ impl ConstraintSet {
     /// The loops given beside a robot file.
     ///
     /// # Errors
-    /// As [`ConstraintSet::new`], and [`ConstraintError::UnknownFrame`].
+    /// As [`ConstraintSet::new`], and [`ConstraintError::Input`] if a frame is missing.
     pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintError> {
         let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for closure in loops {

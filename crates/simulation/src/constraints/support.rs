@@ -13,7 +13,7 @@ use robot_dynamics_core::{
 };
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
-use robot_dynamics_number::{check_finite, check_positive};
+use robot_dynamics_number::{InvalidInput, check_finite, check_positive};
 
 use super::{ConstraintError, ConstraintSet};
 use crate::contact::{ConeProblem, Set, axes};
@@ -186,21 +186,21 @@ pub fn supported_inverse_dynamics(
 }
 
 /// Returns an error if a number of a support is invalid.
-fn check_supports(supports: &SupportProblem<'_>) -> Result<(), ConstraintError> {
+fn check_supports(supports: &SupportProblem<'_>) -> Result<(), InvalidInput> {
     for (index, ContactSupport { point, normal, friction, .. }) in supports.points.iter().enumerate() {
         let length = Vector3::from(*normal).norm();
-        let problem = if point.iter().any(|x| !x.is_finite()) {
-            "its point is not finite"
+        let (part, problem) = if point.iter().any(|x| !x.is_finite()) {
+            ("point", "is not finite")
         } else if !(length > 0.0 && length.is_finite()) {
-            "its normal has no direction"
+            ("normal", "has no direction")
         } else if !(*friction >= 0.0 && friction.is_finite()) {
-            "its friction is no finite number from 0 on"
+            ("friction", "must be finite and not negative")
         } else {
             continue;
         };
-        return Err(ConstraintError::BadSupport { index, problem });
+        return Err(InvalidInput::unmet(format!("support {index}: its {part}"), problem));
     }
-    Ok(check_positive("the weight of the forces", supports.force_weight, "m²")?)
+    check_positive("the weight of the forces", supports.force_weight, "m²")
 }
 
 /// Adds the rows of a support: the velocity of its point along the normal and tangential to it.

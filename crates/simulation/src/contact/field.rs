@@ -9,10 +9,11 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::{LinkShape, Pose, Surface};
+use robot_dynamics_number::InvalidInput;
 
 use self::facets::Facets;
 use super::Ground;
-use super::ground::ContactError;
+use super::ground::bad_surface;
 
 /// Heights on a grid over a rectangle. The ground is below each cell's two triangles, and bodies do not enter
 /// it from above.
@@ -73,7 +74,7 @@ impl HeightField {
     /// covers the rectangle of these half lengths X and Y \[m\] in the world's frame.
     ///
     /// # Errors
-    /// [`ContactError::HeightField`]: fewer than two rows or columns, a rectangle without area, a number of
+    /// [`InvalidInput`]: fewer than two rows or columns, a rectangle without area, a number of
     /// heights other than rows times columns, or a height that is not finite.
     ///
     /// ```
@@ -81,26 +82,25 @@ impl HeightField {
     /// let field = HeightField::new(2, 2, [0.5, 1.0], vec![0.0, 0.2, 0.0, 0.6])?; // x rises to the right, y to the back
     /// assert_eq!(field.height(0.5, 0.0), Some(0.4));
     /// assert!(HeightField::new(2, 2, [0.5, 1.0], vec![0.0; 3]).is_err());
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
     pub fn new(
         rows: usize,
         columns: usize,
         half_size: [f64; 2],
         heights: Vec<f64>,
-    ) -> Result<Self, ContactError> {
-        let refused = |quantity| Err(ContactError::HeightField { quantity });
+    ) -> Result<Self, InvalidInput> {
         if rows < 2 || columns < 2 {
-            return refused("number of rows and of columns must be 2 or more");
+            return Err(field_must("number of rows and of columns", "must be 2 or more"));
         }
         if !half_size.iter().all(|half| half.is_finite() && *half > 0.0) {
-            return refused("half lengths must be finite and above 0");
+            return Err(field_must("half lengths", "must be finite and above 0"));
         }
         if rows.checked_mul(columns) != Some(heights.len()) {
-            return refused("heights must be as many as rows times columns");
+            return Err(field_must("heights", "must be as many as rows times columns"));
         }
         if heights.iter().any(|height| !height.is_finite()) {
-            return refused("heights must be finite");
+            return Err(field_must("heights", "must be finite"));
         }
         let facets = Arc::new(Facets::new([rows, columns], half_size, heights));
         let world_from_field = Pose::IDENTITY;
@@ -114,7 +114,7 @@ impl HeightField {
     /// use robot_dynamics::description::Pose;
     /// let field = HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4])?.with_pose(Pose::from_translation([0.0, 0.0, 0.3]));
     /// assert_eq!(field.world_from_field.translation[2], 0.3);
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
     pub fn with_pose(self, world_from_field: Pose) -> Self {
         Self { world_from_field, ..self }
@@ -135,7 +135,7 @@ impl HeightField {
     /// (ice.friction[0], ice.priority) = (0.05, 1); // whatever stands on it
     /// let field = HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4])?.with_surface(ice);
     /// assert_eq!(field.surface.map(|surface| surface.friction[0]), Some(0.05));
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
     pub fn with_surface(self, surface: Surface) -> Self {
         Self { surface: Some(surface), ..self }
@@ -153,7 +153,7 @@ impl HeightField {
     /// let field = robot_dynamics::contact::HeightField::new(2, 2, [1.0, 1.0], vec![0.0, 0.0, 0.0, 1.0])?;
     /// assert_eq!([field.height(0.0, 0.0), field.height(0.5, -0.5)], [Some(0.5), Some(0.25)]);
     /// assert_eq!(field.height(1.5, 0.0), None);
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let triangle = self.facets.under(&Vector3::new(x, y, 0.0))?;
@@ -163,22 +163,25 @@ impl HeightField {
     }
 
     /// Returns an error if a number is invalid.
-    pub(super) fn check(&self) -> Result<(), ContactError> {
+    pub(super) fn check(&self) -> Result<(), InvalidInput> {
         let ground = Ground { friction: self.friction, restitution: self.restitution, ..Ground::level(0.0) };
         ground.check()?;
         if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
-            return Err(ContactError::Surface { shape: "a height field".into(), quantity });
+            return Err(bad_surface("a height field", quantity));
         }
         let Pose { rotation, translation } = self.world_from_field;
         let rotation = Matrix3::from_fn(|i, j| rotation[i][j]);
         let off = (rotation.transpose() * rotation - Matrix3::identity()).amax();
         if !(off < 1e-9 && rotation.determinant() > 0.0 && translation.iter().all(|x| x.is_finite())) {
-            return Err(ContactError::HeightField {
-                quantity: "pose must be a finite rotation and translation",
-            });
+            return Err(field_must("pose", "must be a finite rotation and translation"));
         }
         Ok(())
     }
+}
+
+/// The error of a part of a height field that does not meet a requirement.
+fn field_must(part: &str, requirement: &str) -> InvalidInput {
+    InvalidInput::unmet(format!("a height field's {part}"), requirement)
 }
 
 /// A field of a set.

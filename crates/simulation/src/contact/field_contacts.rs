@@ -2,10 +2,10 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{LinkShape, Shape, Surface};
+use robot_dynamics_number::InvalidInput;
 
 use super::ContactSet;
 use super::field::{HeightField, PlacedField};
-use super::ground::ContactError;
 use super::plane::{meets_bare, takes_part};
 use super::shape_checks::described;
 
@@ -16,7 +16,7 @@ impl ContactSet {
     /// half-spaces.
     ///
     /// # Errors
-    /// [`ContactError`]: its friction, restitution or pose is invalid.
+    /// [`InvalidInput`]: its friction, restitution or pose is invalid.
     ///
     /// ```
     /// use robot_dynamics::contact::{ContactSet, HeightField};
@@ -39,7 +39,7 @@ impl ContactSet {
     /// assert!((run.q[2] - 0.1 * 2.0f64.sqrt()).abs() < 1e-6); // it lies on both sides
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn with_height_field(mut self, field: &HeightField) -> Result<Self, ContactError> {
+    pub fn with_height_field(mut self, field: &HeightField) -> Result<Self, InvalidInput> {
         let surfaces = field.surface.map(|own| self.surfaces_with(&own, None, &[]));
         self.add_field(field, surfaces, None)?;
         Ok(self)
@@ -50,7 +50,7 @@ impl ContactSet {
         field: &HeightField,
         surfaces: Option<Vec<Option<Surface>>>,
         described: Option<&LinkShape>,
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), InvalidInput> {
         field.check()?;
         self.fields.push(PlacedField::new(field, surfaces, described));
         let index = self.fields.len() - 1;
@@ -100,7 +100,7 @@ impl ContactSet {
         mut self,
         model: &Model,
         mut field_of: impl FnMut(&LinkShape) -> Result<HeightField, String>,
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, InvalidInput> {
         model.check_identity(&self.robot, "the contact set");
         for shape in &model.description().shapes {
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };

@@ -4,7 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 use robot_dynamics_description::Surface;
-use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
+use robot_dynamics_number::InvalidInput;
 
 /// A half-space that bodies do not enter: { x : n·x < d }.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,20 +38,19 @@ impl Ground {
     /// ```
     /// let [x, _, z] = robot_dynamics::contact::Ground::slope(0.3)?.normal;
     /// assert!((x / z + 0.3f64.tan()).abs() < 1e-15); // downhill is −x
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::Input`].
-    pub fn slope(angle: f64) -> Result<Self, ContactError> {
+    /// [`InvalidInput`].
+    pub fn slope(angle: f64) -> Result<Self, InvalidInput> {
         if angle.is_nan() || angle.abs() >= FRAC_PI_2 {
             return Err(InvalidInput::out_of_range(
                 "a slope",
                 angle,
                 "rad",
                 "between -π/2 and π/2, both excluded",
-            )
-            .into());
+            ));
         }
         Ok(Self { normal: [-angle.sin(), 0.0, angle.cos()], ..Self::level(0.0) })
     }
@@ -59,16 +58,16 @@ impl Ground {
     /// The half-space below the plane through a point, whose normal (of any length) points out of it.
     ///
     /// # Errors
-    /// [`ContactError::Normal`].
+    /// [`InvalidInput`]: the normal has no direction.
     ///
     /// ```
     /// let wall = robot_dynamics::contact::Ground::through([2.0, 0.0, 0.0], [-3.0, 0.0, 0.0])?;
     /// assert_eq!((wall.normal, wall.offset), ([-1.0, 0.0, 0.0], -2.0));
-    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
     /// ```
-    pub fn through(point: [f64; 3], normal: [f64; 3]) -> Result<Self, ContactError> {
+    pub fn through(point: [f64; 3], normal: [f64; 3]) -> Result<Self, InvalidInput> {
         let unit = Vector3::from(normal).try_normalize(0.0).filter(|unit| unit.iter().all(|x| x.is_finite()));
-        let Some(unit) = unit else { return Err(ContactError::Normal { normal }) };
+        let Some(unit) = unit else { return Err(bad_normal(normal)) };
         Ok(Self { normal: unit.into(), offset: unit.dot(&Vector3::from(point)), ..Self::level(0.0) })
     }
 
@@ -97,21 +96,21 @@ impl Ground {
     }
 
     /// Returns an error if a number is invalid.
-    pub(super) fn check(&self) -> Result<(), ContactError> {
+    pub(super) fn check(&self) -> Result<(), InvalidInput> {
         let normal = Vector3::from(self.normal);
         if !((normal.norm() - 1.0).abs() < 1e-9 && self.offset.is_finite()) {
-            return Err(ContactError::Normal { normal: self.normal });
+            return Err(bad_normal(self.normal));
         }
         if let Some(friction) = self.friction
             && !(friction >= 0.0 && friction.is_finite())
         {
-            return Err(bad_friction(friction).into());
+            return Err(bad_friction(friction));
         }
         if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(bad_restitution(self.restitution).into());
+            return Err(bad_restitution(self.restitution));
         }
         if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
-            return Err(ContactError::Surface { shape: "a ground".into(), quantity });
+            return Err(bad_surface("a ground", quantity));
         }
         Ok(())
     }
@@ -129,103 +128,15 @@ pub fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
     [n, first, n.cross(&first)]
 }
 
-/// An invalid ground or contact.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ContactError {
-    /// A slope, a coefficient of friction or a coefficient of restitution is out of its range.
-    Input(InvalidInput),
-    /// A normal without a direction, or a plane without a position.
-    Normal {
-        /// The given normal.
-        normal: [f64; 3],
-    },
-    /// Links that cannot touch each other.
-    Pair {
-        /// The names of the links.
-        links: [String; 2],
-    },
-    /// A pair of links with a name that the robot does not have.
-    NoSuchLink {
-        /// The robot.
-        robot: String,
-        /// The given name.
-        link: String,
-        /// The robot's most similar name, if there is one.
-        similar: Option<String>,
-    },
-    /// A collision shape, or a pair of shapes, with an invalid size or number of its surface.
-    Surface {
-        /// The shape and its link.
-        shape: String,
-        /// The invalid quantity.
-        quantity: &'static str,
-    },
-    /// A height field with invalid numbers.
-    HeightField {
-        /// The requirement that they violate.
-        quantity: &'static str,
-    },
-    /// A coefficient of restitution under MuJoCo's law, which has no restitution.
-    RestitutionUnderSoftLaw {
-        /// The given coefficient.
-        restitution: f64,
-    },
+/// The error of a normal without a direction, or of a plane without a position.
+fn bad_normal(normal: [f64; 3]) -> InvalidInput {
+    let quantity = format!("a ground's normal {normal:?}");
+    InvalidInput::unmet(quantity, "is invalid: give a finite unit vector and a finite offset")
 }
 
-impl Classified for ContactError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Pair { .. } => ErrorKind::Description,
-            Self::NoSuchLink { .. } => ErrorKind::UnknownName,
-            Self::RestitutionUnderSoftLaw { .. } => ErrorKind::Unsupported,
-            _ => ErrorKind::InvalidInput,
-        }
-    }
-}
-
-impl core::fmt::Display for ContactError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Input(error) => error.fmt(f),
-            Self::Normal { normal } => {
-                write!(
-                    f,
-                    "{normal:?} is no normal of a ground: a finite unit vector and a finite offset are needed"
-                )
-            }
-            Self::Pair { links: [one, two] } => {
-                write!(
-                    f,
-                    "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
-                     move against the other"
-                )
-            }
-            Self::NoSuchLink { robot, link, similar } => {
-                write!(f, "robot `{robot}` has no link `{link}`, which a pair of links names")?;
-                similar.as_ref().map_or(Ok(()), |similar| write!(f, "; did you mean `{similar}`?"))
-            }
-            Self::Surface { shape, quantity } => {
-                write!(f, "{shape}: its {quantity} is no finite number; correct the description")
-            }
-            Self::HeightField { quantity } => write!(f, "a height field's {quantity}"),
-            Self::RestitutionUnderSoftLaw { restitution } => {
-                write!(
-                    f,
-                    "MuJoCo's law has no restitution, and {restitution} was given: leave it out and let `solref` of the surfaces set how a contact \
-                     bounces, or take the integrator `implicit`"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for ContactError {}
-
-impl From<InvalidInput> for ContactError {
-    fn from(error: InvalidInput) -> Self {
-        Self::Input(error)
-    }
+/// The error of a number that is not finite in the description of a shape, or of a pair of shapes.
+pub(super) fn bad_surface(owner: &str, quantity: &str) -> InvalidInput {
+    InvalidInput::unmet(format!("{owner}: its {quantity}"), "is not finite; correct the description")
 }
 
 /// The error of an invalid coefficient of friction.

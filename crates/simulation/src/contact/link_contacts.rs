@@ -3,7 +3,9 @@
 use nalgebra::Vector3;
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::{Model, Workspace, neutral};
+use robot_dynamics_number::InvalidInput;
 
+use super::ContactSet;
 use super::candidates::Candidates;
 use super::closest_points::ClosestPoints;
 use super::components::floating_part;
@@ -13,7 +15,6 @@ use super::placed_pair::MOST_PAIR_POINTS;
 use super::placed_shape::PlacedShape;
 use super::shape_point::{ContactPartner, ShapePoint};
 use super::soft::mixed;
-use super::{ContactError, ContactSet};
 use crate::placement::Placement;
 
 /// The overlap of two shapes in the neutral configuration that exceeds rounding \[m\].
@@ -94,8 +95,8 @@ impl ContactSet {
     /// The surface's other numbers are those of the two shapes' mix.
     ///
     /// # Errors
-    /// [`ContactError::Input`]; [`ContactError::Pair`] if no two of their shapes have a known contact
-    /// search, or neither link moves relative to the other.
+    /// [`InvalidInput`] if the friction is invalid, no two of their shapes have a known contact search, or
+    /// neither link moves relative to the other.
     ///
     /// # Panics
     /// If the set belongs to another robot.
@@ -117,10 +118,10 @@ impl ContactSet {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[track_caller]
-    pub fn with_pair(mut self, model: &Model, links: [&str; 2], friction: f64) -> Result<Self, ContactError> {
+    pub fn with_pair(mut self, model: &Model, links: [&str; 2], friction: f64) -> Result<Self, InvalidInput> {
         model.check_identity(&self.robot, "the contact set");
         if !(friction >= 0.0 && friction.is_finite()) {
-            return Err(bad_friction(friction).into());
+            return Err(bad_friction(friction));
         }
         let links_of = |set: &Self, shapes: [usize; 2]| {
             let [a, b] = shapes.map(|shape| set.shapes[shape].link.as_str());
@@ -144,7 +145,10 @@ impl ContactSet {
             }
         }
         if self.pairs.len() == kept {
-            return Err(ContactError::Pair { links: links.map(str::to_owned) });
+            let pair = format!("links `{}` and `{}`", links[0], links[1]);
+            let requirement = "cannot touch: each needs a collision shape of a known kind, and one must move relative \
+                               to the other";
+            return Err(InvalidInput::unmet(pair, requirement));
         }
         Ok(self)
     }
@@ -153,20 +157,20 @@ impl ContactSet {
     /// separate; 0 by default.
     ///
     /// ```
-    /// use robot_dynamics::contact::{ContactError, ContactSet};
+    /// use robot_dynamics::contact::ContactSet;
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// let contacts = ContactSet::new(&Model::new(pendulum(2.0, 0.5))?, &[])?;
     /// assert!(contacts.clone().with_link_restitution(0.9).is_ok());
-    /// assert!(matches!(contacts.with_link_restitution(1.1), Err(ContactError::Input(_))));
+    /// assert!(contacts.with_link_restitution(1.1).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::Input`].
-    pub fn with_link_restitution(self, restitution: f64) -> Result<Self, ContactError> {
+    /// [`InvalidInput`].
+    pub fn with_link_restitution(self, restitution: f64) -> Result<Self, InvalidInput> {
         if !(0.0..=1.0).contains(&restitution) {
-            return Err(bad_restitution(restitution).into());
+            return Err(bad_restitution(restitution));
         }
         Ok(Self { link_restitution: restitution, ..self })
     }

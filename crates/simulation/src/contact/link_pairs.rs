@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use robot_dynamics_core::Model;
-use robot_dynamics_description::similar;
+use robot_dynamics_description::unknown_name;
+use robot_dynamics_number::InvalidInput;
 
-use super::{ContactError, ContactSet};
+use super::ContactSet;
 
 impl ContactSet {
     /// Removes contacts between the links of these pairs, whatever their file states, including
@@ -30,7 +31,7 @@ impl ContactSet {
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::NoSuchLink`].
+    /// [`InvalidInput`]: a link does not exist.
     ///
     /// # Panics
     /// If the set belongs to another robot.
@@ -39,7 +40,7 @@ impl ContactSet {
         mut self,
         model: &Model,
         pairs: &[(String, String)],
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, InvalidInput> {
         model.check_identity(&self.robot, "the contact set");
         let listed = both_ways(model, pairs)?;
         self.retain_pairs(|set, pair| !listed.contains(&set.links_of(pair.shapes)));
@@ -64,7 +65,7 @@ impl ContactSet {
     /// affected.
     ///
     /// ```
-    /// use robot_dynamics::contact::{ContactError, ContactSet};
+    /// use robot_dynamics::contact::ContactSet;
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
@@ -75,7 +76,7 @@ impl ContactSet {
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::NoSuchLink`].
+    /// [`InvalidInput`]: a link does not exist.
     ///
     /// # Panics
     /// If the set belongs to another robot.
@@ -84,7 +85,7 @@ impl ContactSet {
         mut self,
         model: &Model,
         pairs: &[(String, String)],
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, InvalidInput> {
         model.check_identity(&self.robot, "the contact set");
         let listed = both_ways(model, pairs)?;
         self.retain_pairs(|set, pair| listed.contains(&set.links_of(pair.shapes)));
@@ -109,15 +110,12 @@ impl ContactSet {
 }
 
 /// The pairs in both orders.
-fn both_ways(model: &Model, pairs: &[(String, String)]) -> Result<BTreeSet<[String; 2]>, ContactError> {
+fn both_ways(model: &Model, pairs: &[(String, String)]) -> Result<BTreeSet<[String; 2]>, InvalidInput> {
     let links: BTreeSet<&str> = model.description().links.iter().map(|link| link.name.as_str()).collect();
     for name in pairs.iter().flat_map(|(a, b)| [a, b]) {
         if !links.contains(name.as_str()) {
-            return Err(ContactError::NoSuchLink {
-                robot: model.name().to_owned(),
-                link: name.clone(),
-                similar: similar(name, links.into_iter()),
-            });
+            let owner = format!("a pair of links is invalid: robot `{}`", model.name());
+            return Err(unknown_name("link", name, owner, links.into_iter()));
         }
     }
     Ok(pairs.iter().flat_map(|(a, b)| [[a.clone(), b.clone()], [b.clone(), a.clone()]]).collect())

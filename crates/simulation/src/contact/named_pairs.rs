@@ -3,8 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use robot_dynamics_description::{LinkShape, RobotDescription, Shape, Surface};
+use robot_dynamics_number::InvalidInput;
 
-use super::ContactError;
+use super::ground::bad_surface;
 
 /// The shapes in named pairs, each with the planes and height fields paired with it and the surfaces of these
 /// pairs.
@@ -12,18 +13,15 @@ pub(super) struct NamedPairs<'a>(HashMap<&'a str, Vec<(String, Surface)>>);
 
 impl<'a> NamedPairs<'a> {
     /// # Errors
-    /// [`ContactError::Surface`]: a number of a pair is invalid.
-    pub(super) fn of(robot: &'a RobotDescription) -> Result<Self, ContactError> {
+    /// [`InvalidInput`]: a number of a pair is invalid.
+    pub(super) fn of(robot: &'a RobotDescription) -> Result<Self, InvalidInput> {
         let grounds = robot.shapes.iter().filter(|shape| is_ground(shape));
         let grounds: HashSet<&str> = grounds.map(|shape| shape.name.as_str()).collect();
         let mut stated = HashMap::new();
         for pair in &robot.contact_pairs {
             let [one, two] = [0, 1].map(|k| pair.shapes[k].as_str());
             if let Some(quantity) = pair.surface().not_finite() {
-                return Err(ContactError::Surface {
-                    shape: format!("pair of `{one}` and `{two}`"),
-                    quantity,
-                });
+                return Err(bad_surface(&format!("pair of `{one}` and `{two}`"), quantity));
             }
             for (own, other) in [(one, two), (two, one)] {
                 let on_grounds: &mut Vec<(String, Surface)> = stated.entry(own).or_default();

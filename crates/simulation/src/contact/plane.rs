@@ -2,22 +2,23 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{LinkShape, Shape, ShapeRole, Surface};
+use robot_dynamics_number::InvalidInput;
 
 use super::contact_shape::ContactShape;
 use super::soft::mixed;
-use super::{ContactError, ContactSet, Ground};
+use super::{ContactSet, Ground};
 
 impl ContactSet {
     /// Adds a half-space to the grounds.
     ///
     /// # Errors
-    /// [`ContactError`]: a number of the ground is invalid.
+    /// [`InvalidInput`]: a number of the ground is invalid.
     pub(super) fn add_ground(
         &mut self,
         model: &Model,
         ground: Ground,
         plane: Option<&LinkShape>,
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), InvalidInput> {
         ground.check()?;
         let exclusions = &model.description().contact_exclusions;
         self.ground_surfaces.push(ground.surface.map(|own| self.surfaces_with(&own, plane, exclusions)));
@@ -83,12 +84,12 @@ impl ContactSet {
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::Surface`]: a number of the plane's surface is not finite.
+    /// [`InvalidInput`]: a number of the plane's surface is not finite.
     ///
     /// # Panics
     /// If the set belongs to another robot.
     #[track_caller]
-    pub fn with_described_planes(mut self, model: &Model) -> Result<Self, ContactError> {
+    pub fn with_described_planes(mut self, model: &Model) -> Result<Self, InvalidInput> {
         model.check_identity(&self.robot, "the contact set");
         for shape in &model.description().shapes {
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };

@@ -29,6 +29,7 @@ use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::InvalidInput;
 
 use self::point_rows::Bodies;
 use self::reference::{RowReference, StepState};
@@ -38,7 +39,7 @@ use super::field::PlacedField;
 use super::interrupt::Interrupt;
 use super::pair::ShapePair;
 use super::shape_point::{ContactPartner, ShapePoint};
-use super::{ConeProblem, ContactError, ContactSet};
+use super::{ConeProblem, ContactSet};
 
 pub use self::active_set::ActiveSet;
 pub use self::point::SoftContact;
@@ -166,27 +167,32 @@ impl SoftConstraints {
     /// ground replaces that of both.
     ///
     /// ```
-    /// use robot_dynamics::contact::{ContactError, ContactSet, Ground, SoftConstraints};
+    /// use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints};
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let bouncy = ContactSet::new(&model, &[Ground::level(-1.0).with_restitution(0.9)])?;
     /// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, bouncy);
-    /// assert_eq!(law.err(), Some(ContactError::RestitutionUnderSoftLaw { restitution: 0.9 }));
+    /// assert!(law.is_err_and(|error| error.to_string().contains("MuJoCo's law has no restitution")));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::RestitutionUnderSoftLaw`]: a ground, a height field or the links have restitution.
+    /// [`InvalidInput`]: a ground, a height field or the links have restitution.
     /// This law has none.
     ///
     /// # Panics
     /// If the set belongs to another robot.
     #[track_caller]
-    pub fn with_ground(self, model: &Model, ground: ContactSet) -> Result<Self, ContactError> {
+    pub fn with_ground(self, model: &Model, ground: ContactSet) -> Result<Self, InvalidInput> {
         model.check_identity(&ground.robot, "the contact set");
         if let Some(restitution) = ground.restitutions().find(|restitution| *restitution != 0.0) {
-            return Err(ContactError::RestitutionUnderSoftLaw { restitution });
+            let requirement = "is invalid, because MuJoCo's law has no restitution: leave it out and let `solref` of \
+                               the surfaces set how a contact bounces, or take the integrator `implicit`";
+            return Err(InvalidInput::unmet(
+                format!("a coefficient of restitution of {restitution}"),
+                requirement,
+            ));
         }
         let links = ground.links().iter().filter_map(|link| model.frame(link)).collect();
         let shapes = ground.shapes.iter().map(|shape| model.frame(&shape.link)).collect();

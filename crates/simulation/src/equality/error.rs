@@ -25,34 +25,17 @@ impl core::fmt::Display for NamedDependentRow {
     }
 }
 
-/// An invalid constraint, or the reason why a constrained motion was not computed.
+/// An invalid constraint, or the reason why a constrained motion was not computed: the error of
+/// [`ConstraintSet`](crate::ConstraintSet) and of the functions that take one.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "ConstraintSetError")]
 #[doc(alias = "ConstrainedMotionError")]
 pub enum ConstraintError {
-    /// A vector has a number that is not finite, or an option, a tolerance, a radius, a coefficient, the
-    /// weight of the forces or the step is out of its range.
+    /// A vector has a number that is not finite, or an option, a tolerance, a radius, a coefficient, a support,
+    /// the weight of the forces or the step is out of its range. The robot has no frame or coordinate of a name.
     #[error(transparent)]
     Input(#[from] InvalidInput),
-    /// A loop names a frame that the robot does not have.
-    #[error("constraint `{constraint}`: robot `{robot}` has no link or frame `{frame}`")]
-    UnknownFrame {
-        /// The constraint.
-        constraint: String,
-        /// The missing name.
-        frame: String,
-        /// The robot.
-        robot: String,
-    },
-    /// A coupling names a coordinate that the robot does not have.
-    #[error("robot `{robot}` has no coordinate `{name}`; Model::coordinate_names lists them")]
-    UnknownCoordinate {
-        /// The missing name.
-        name: String,
-        /// The robot.
-        robot: String,
-    },
     /// A frame of another model.
     #[error(
         "constraint `{constraint}` names a frame of another robot than `{robot}`; look frames up in this model"
@@ -80,14 +63,6 @@ pub enum ConstraintError {
     /// A computed number is NaN or infinite, or an implicit step failed.
     #[error(transparent)]
     Step(#[from] IntegratorError),
-    /// An invalid support.
-    #[error("support {index}: {problem}")]
-    BadSupport {
-        /// The index of the support.
-        index: usize,
-        /// The fault of the support.
-        problem: &'static str,
-    },
     /// M is singular.
     #[error(transparent)]
     SingularMass(#[from] robot_dynamics_core::SingularMass),
@@ -175,9 +150,7 @@ impl Classified for ConstraintError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::BadSupport { .. } => ErrorKind::InvalidInput,
             Self::Step(error) => error.kind(),
-            Self::UnknownFrame { .. } | Self::UnknownCoordinate { .. } => ErrorKind::UnknownName,
             Self::SingularMass(error) => error.kind(),
             Self::ForeignFrame { .. }
             | Self::DuplicateName { .. }

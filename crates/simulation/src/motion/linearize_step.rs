@@ -22,10 +22,11 @@ use robot_dynamics_number::check_finite;
 use self::displacement::{rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
+use crate::motion::RobotState;
 use crate::motion::integrate::stage_memory::most_stages;
 use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
-use crate::motion::{RobotState, StepDerivativeError};
+use crate::motion::simulate::StepError;
 
 pub use self::differences::linearize_by_differences;
 
@@ -124,9 +125,9 @@ pub struct LinearizedStep<'a> {
 /// ```
 ///
 /// # Errors
-/// - [`StepDerivativeError::Step`] if an input, an acceleration or a result is not finite, if `h` is not
+/// - [`StepError`] if an input, an acceleration or a result is not finite, if `h` is not
 ///   positive, or if M(q) is singular, with the names of the joints.
-/// - [`StepDerivativeError::Implicit`] for the variational rows.
+/// - [`StepError::NotDifferentiable`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -139,7 +140,7 @@ pub fn linearize_step(
     h: f64,
     RobotState { q, v }: RobotState<'_>,
     LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
-) -> Result<(), StepDerivativeError> {
+) -> Result<(), StepError> {
     let nv = model.nv;
     check_step(h)?;
     check_length("q", q.len(), model.nq);
@@ -153,7 +154,7 @@ pub fn linearize_step(
     check_rank(model, &mut workspace.dynamics, q)?;
     match integrator.scheme() {
         StepScheme::Explicit(stages) => explicit(model, workspace, stages, forces, h, q, v)?,
-        StepScheme::Variational(_) => return Err(StepDerivativeError::Implicit { integrator }),
+        StepScheme::Variational(_) => return Err(StepError::NotDifferentiable { integrator }),
     }
     check_computed("the derivative of q", &workspace.q_change)?;
     check_computed("the derivative of v", &workspace.v_change)?;

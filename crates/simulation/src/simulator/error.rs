@@ -5,19 +5,16 @@ use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
-use crate::ContactError;
 use crate::constraints::ConstraintError;
 
-/// An error of building a simulation.
+/// The error of [`SimulationBuilder::build`](super::SimulationBuilder::build).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
-    /// The step, or the tolerance or the control period of adaptive steps, is out of its range.
+    /// The step, or the tolerance or the control period of adaptive steps, is out of its range. A ground, a
+    /// surface, a height field or a pair of links is invalid.
     #[error(transparent)]
     Input(#[from] InvalidInput),
-    /// A ground, a surface or a height field has an invalid number.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
     /// The equalities do not fit the robot.
     #[error(transparent)]
     Equalities(#[from] ConstraintError),
@@ -53,7 +50,6 @@ impl Classified for SimulationError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::Contact(error) => error.kind(),
             Self::Equalities(error) => error.kind(),
             Self::Model(error) => error.kind(),
             Self::Dynamics(error) => error.kind(),

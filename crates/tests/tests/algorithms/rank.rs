@@ -8,9 +8,7 @@ use robot_dynamics::constraints::{
     constrained_forward_dynamics,
 };
 use robot_dynamics::control::operational_space;
-use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_step,
-};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, LinkDescription, MassProperties, Mimic, Pose, RobotDescription,
 };
@@ -354,7 +352,7 @@ fn functions_with_inverse_name_singular_joints() {
         out,
     )
     .unwrap_err();
-    let StepDerivativeError::Step(StepError::SingularMass(mass)) = &error else { panic!("{error}") };
+    let StepError::SingularMass(mass) = &error else { panic!("{error}") };
     assert_eq!(mass.joints(), names);
     // Finite numbers that overflow during the computation do not indicate a singular mass matrix.
     let slide =

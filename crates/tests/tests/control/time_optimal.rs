@@ -69,7 +69,7 @@ fn spline_is_twice_differentiable() -> Tested {
     }
     assert!(size(&path.at(0.0).ddq) == 0.0 && size(&path.at(1.0).ddq) < 1e-12);
     let error = CubicSpline::through(&[vec![0.0], vec![1.0], vec![1.0]]).unwrap_err();
-    assert_eq!(error, ParameterizationError::RepeatedWaypoint { index: 2 });
+    assert_eq!(error.quantity, "waypoints 1 and 2");
     Ok(())
 }
 
@@ -416,8 +416,8 @@ fn impossible_paths_are_errors() -> Tested {
         matches!(&error, ParameterizationError::Overloaded { coordinate, .. } if coordinate == "shoulder")
     );
     let error = solve([0.0, 14.0], [4.0, 5.0]);
-    let ParameterizationError::BadLimit { coordinate, value: 0.0, .. } = &error else { panic!("{error}") };
-    assert_eq!(coordinate, "shoulder");
+    let ParameterizationError::Input(input) = &error else { panic!("{error}") };
+    assert_eq!(input.quantity, "the torque limit of coordinate `shoulder`");
     let error = solve([f64::INFINITY; 2], [f64::INFINITY; 2]);
     assert!(matches!(error, ParameterizationError::Unbounded { .. }), "{error}");
     let fast = TimeOptimal { start_speed: 50.0, ..TimeOptimal::from_rest_to_rest(arm_limits(), 100) };

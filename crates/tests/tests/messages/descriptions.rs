@@ -127,7 +127,7 @@ pub(crate) fn parameter_error() -> Section {
 }
 
 pub(crate) fn joint_map_error() -> Section {
-    let mut section = Section::new("JointMapError");
+    let mut section = Section::new("ModelError of a joint map");
     let full = Model::new(arm()).expect("a robot");
     let mut row = |input: &str, full: &Model, reference: &[f64], change: &dyn Fn(&mut RobotDescription)| {
         let mut reduced = full.description().clone();

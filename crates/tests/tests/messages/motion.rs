@@ -4,13 +4,11 @@ use robot_dynamics::constraints::{
     RedundantRows, SpatialAxis, SupportProblem, constrained_forward_dynamics, supported_inverse_dynamics,
 };
 use robot_dynamics::control::operational_space;
-use robot_dynamics::derivatives::{
-    MotionCotangents, RobotState, StepDerivativeError, StepPullbackWorkspace, step_pullback,
-};
+use robot_dynamics::derivatives::{MotionCotangents, RobotState, StepPullbackWorkspace, step_pullback};
 use robot_dynamics::description::{LinkDescription, MassProperties, pendulum};
 use robot_dynamics::model::{Model, Workspace, check_configuration, neutral};
 use robot_dynamics::simulation::{
-    ControllerError, Integrator, IntegratorError, StepForces, StepWorkspace, step,
+    ControllerError, Integrator, IntegratorError, StepError, StepForces, StepWorkspace, step,
 };
 
 use crate::Section;
@@ -138,9 +136,9 @@ pub(crate) fn integrator_error() -> Section {
 }
 
 pub(crate) fn pullback_error() -> Section {
-    let mut section = Section::new("StepDerivativeError");
+    let mut section = Section::new("StepError of derivatives");
     let integrator = Integrator::VariationalMidpoint;
-    section.row("an implicit row", StepDerivativeError::Implicit { integrator });
+    section.row("an implicit row", StepError::NotDifferentiable { integrator });
     let mut pull = |input: &str, mass: Option<MassProperties>, v: f64| {
         let mut robot = pendulum(2.0, 0.5);
         robot.links[1] = LinkDescription::new(robot.links[1].name.clone(), mass);

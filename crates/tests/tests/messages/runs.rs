@@ -1,4 +1,4 @@
-use robot_dynamics::contact::{ContactError, ContactSet, Ground, HeightField};
+use robot_dynamics::contact::{ContactSet, Ground, HeightField};
 use robot_dynamics::description::{
     ActuatorDescription, Equality, EqualityDescription, Limits, PassiveForces, Pose, Shape, Surface,
     Transmission, pendulum,
@@ -70,7 +70,7 @@ pub(crate) fn run_error() -> Section {
 }
 
 pub(crate) fn contact_error() -> Section {
-    let mut section = Section::new("ContactError");
+    let mut section = Section::new("grounds and contacts");
     section.row("a slope of 1.6 rad", Ground::slope(1.6).expect_err("a wall"));
     section.row("a normal of zeros", Ground::through([0.0; 3], [0.0; 3]).expect_err("no direction"));
     let ball = || Shape::Sphere { radius: 0.1 };
@@ -110,8 +110,9 @@ pub(crate) fn contact_error() -> Section {
     rough.shapes[0].surface.friction[0] = f64::NAN;
     let rough = Model::new(rough).expect("a robot");
     section.row("a shape with friction of NaN", ContactSet::new(&rough, &[level]).expect_err("NaN"));
-    let links = ["body0".to_owned(), "body1".to_owned()];
-    section.row("a pair of shapes without contact", ContactError::Pair { links });
+    let set = ContactSet::new(&model, &[]).expect("a set");
+    let same = set.with_pair(&model, ["body0", "body0"], 0.5);
+    section.row("a pair of shapes without contact", same.expect_err("one link"));
     let pair = SimulationBuilder::new(&model).ignore_contacts([("body0", "body2")]).build();
     section.row("a pair with an unknown link", pair.expect_err("no link"));
     section

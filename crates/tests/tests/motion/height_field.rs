@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, FRAC_PI_6};
 
 use nalgebra::Vector3;
 use robot_dynamics::InvalidInput;
-use robot_dynamics::contact::{ContactError, ContactSet, Ground, HeightField};
+use robot_dynamics::contact::{ContactSet, Ground, HeightField};
 use robot_dynamics::description::{Pose, Shape, Surface};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::SplitMix64;
@@ -293,7 +293,7 @@ fn invalid_fields_are_errors() {
         (2, 2, [1.0, 1.0], vec![f64::INFINITY; 4]),
     ] {
         let error = HeightField::new(rows, columns, half_size, heights).unwrap_err();
-        assert!(matches!(error, ContactError::HeightField { .. }), "{error}");
+        assert!(error.quantity.starts_with("a height field's "), "{error}");
     }
     let good = || HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4]).unwrap();
     let askew = Pose { rotation: [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Pose::IDENTITY };
@@ -301,14 +301,13 @@ fn invalid_fields_are_errors() {
     slippery.friction[0] = f64::NAN;
     let refused = |field: &HeightField| set(&model, &[]).with_height_field(field).unwrap_err();
     let error = refused(&good().with_surface(slippery));
-    assert!(matches!(error, ContactError::Surface { quantity: "friction", .. }), "{error}");
-    let out_of_range = |quantity, value, requirement| {
-        ContactError::Input(InvalidInput::out_of_range(quantity, value, "", requirement))
-    };
+    assert_eq!(error.quantity, "a height field: its friction");
+    let out_of_range =
+        |quantity, value, requirement| InvalidInput::out_of_range(quantity, value, "", requirement);
     let friction = out_of_range("a coefficient of friction", -1.0, "finite and not negative");
     assert_eq!(refused(&good().with_friction(-1.0)), friction);
     let restitution = out_of_range("a coefficient of restitution", 2.0, "between 0 and 1");
     assert_eq!(refused(&good().with_restitution(2.0)), restitution);
     let error = refused(&good().with_pose(askew));
-    assert!(matches!(error, ContactError::HeightField { .. }), "{error}");
+    assert!(error.quantity.starts_with("a height field's "), "{error}");
 }

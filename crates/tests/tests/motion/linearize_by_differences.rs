@@ -4,8 +4,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::contact::{ContactSet, Ground};
 use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_by_differences,
-    linearize_step,
+    LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_by_differences, linearize_step,
 };
 use robot_dynamics::description::{
     Base, LinkDescription, LinkShape, MassProperties, Pose, RobotDescription, Shape, ShapeRole, pendulum,
@@ -239,8 +238,7 @@ fn jumps_have_no_derivative() {
         let off = a.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(off < 1e-8, "{edges:?}: {a:?}");
     }
-    let StepDerivativeError::Discontinuous { quantity, coordinate } = derivatives([-near, near]).unwrap_err()
-    else {
+    let StepError::Discontinuous { quantity, coordinate } = derivatives([-near, near]).unwrap_err() else {
         panic!("another error");
     };
     assert_eq!((quantity, coordinate.as_str()), ("q", "hinge"));

@@ -4,11 +4,9 @@
 //! ε/δ = 2e-13 times the size of q₁ and v₁. States move at about 1 rad/s. With h = 0.01 the displacement of a
 //! step is small, and its quaternion terms are far above the tolerance.
 
-use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_step,
-};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::model::{Model, difference, integrate};
-use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
+use robot_dynamics::simulation::{Integrator, StepError, StepForces, StepWorkspace, step};
 
 use crate::common::{Robot, families};
 
@@ -150,7 +148,7 @@ fn implicit_methods_are_errors() {
         RobotState { q: &state.q, v: &state.v },
         out,
     );
-    assert_eq!(refused, Err(StepDerivativeError::Implicit { integrator }));
+    assert_eq!(refused, Err(StepError::NotDifferentiable { integrator }));
     let mut v = state.v.clone();
     v[0] = f64::NAN;
     let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
@@ -163,5 +161,5 @@ fn implicit_methods_are_errors() {
         RobotState { q: &state.q, v: &v },
         out,
     );
-    assert!(matches!(refused, Err(StepDerivativeError::Step(_))), "{refused:?}");
+    assert!(matches!(refused, Err(StepError::Integrator(_))), "{refused:?}");
 }

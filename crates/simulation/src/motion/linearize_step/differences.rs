@@ -4,7 +4,7 @@ use robot_dynamics_core::{Model, difference, integrate, mass_matrix};
 use robot_dynamics_description::check_length;
 
 use super::LinearizedStep;
-use crate::motion::{RobotState, StepDerivativeError};
+use crate::motion::RobotState;
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The increment of a coordinate or a velocity to either side \[rad, m, rad/s, m/s\]. The error of a smooth
@@ -47,7 +47,7 @@ const STAYS: f64 = 0.1;
 /// | --- | --- |
 /// | has a kink, such as a contact that is about to slip | the mean of both sides |
 /// | is discontinuous on one side, such as a contact that opens or closes at a nonzero velocity | the derivative of the other side: that of the step with its current contacts |
-/// | is discontinuous on both sides | [`StepDerivativeError::Discontinuous`] |
+/// | is discontinuous on both sides | [`StepError::Discontinuous`] |
 ///
 /// ```
 /// use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences};
@@ -72,7 +72,7 @@ const STAYS: f64 = 0.1;
 /// ```
 ///
 /// # Errors
-/// [`StepDerivativeError::Step`] if a step nearby fails; [`StepDerivativeError::Discontinuous`].
+/// [`StepError`] if a step nearby fails; [`StepError::Discontinuous`].
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -85,7 +85,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     h: f64,
     RobotState { q, v }: RobotState<'_>,
     LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
-) -> Result<(), StepDerivativeError> {
+) -> Result<(), StepError> {
     let (nq, nv) = (model.nq(), model.nv());
     check_length("q", q.len(), nq);
     check_length("v", v.len(), nv);
@@ -144,7 +144,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         let Some(derivatives) = derivatives else {
             let quantity = ["q", "v", "tau"][column / nv];
             let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
-            return Err(StepDerivativeError::Discontinuous { quantity, coordinate });
+            return Err(StepError::Discontinuous { quantity, coordinate });
         };
         for (row, slope) in derivatives.iter().enumerate() {
             match column.checked_sub(2 * nv) {

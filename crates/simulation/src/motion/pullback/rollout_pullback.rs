@@ -12,9 +12,10 @@ use super::cotangents::{MotionCotangents, TrajectoryCotangents};
 use super::rollout::Rollout;
 use super::stages::add;
 use super::step::OneState;
+use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
-use crate::motion::{RobotState, StepDerivativeError};
+use crate::motion::simulate::StepError;
 
 /// Scratch for [`rollout_pullback`] of one kind of rollout on one model.
 #[derive(Clone, Debug)]
@@ -146,9 +147,9 @@ impl<S: Scalar> RolloutInputs<S> for RolloutTables<'_, S> {
 /// ```
 ///
 /// # Errors
-/// - [`StepDerivativeError::Step`] if a given or computed float is not finite, if the step is not positive,
+/// - [`StepError`] if a given or computed float is not finite, if the step is not positive,
 ///   or if M(q) is singular, with the names of the joints (checked in advance for `f64`).
-/// - [`StepDerivativeError::Implicit`] for the variational rows.
+/// - [`StepError::NotDifferentiable`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length, or the workspace is for another number of steps.
@@ -161,7 +162,7 @@ pub fn rollout_pullback<S: Scalar>(
     tau: &[S],
     trajectory: TrajectoryCotangents<'_, S>,
     cotangents: MotionCotangents<'_, S>,
-) -> Result<(), StepDerivativeError> {
+) -> Result<(), StepError> {
     let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(rollout.step)?;
     let (w, nv) = (workspace, model.nv);
@@ -177,7 +178,7 @@ pub fn rollout_pullback<S: Scalar>(
     check_length("the cotangent of tau", by_force.len(), tau.len());
     check_parameters(model, parameters);
     let StepScheme::Explicit(stages) = rollout.integrator.scheme() else {
-        return Err(StepDerivativeError::Implicit { integrator: rollout.integrator });
+        return Err(StepError::NotDifferentiable { integrator: rollout.integrator });
     };
     for (quantity, numbers) in [
         ("q", q),

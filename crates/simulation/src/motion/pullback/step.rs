@@ -16,9 +16,10 @@ use super::stages::{
     Accelerations, Cotangents, PullbackMemory, PullbackPoint, PullbackTree, add, pull_back_step,
 };
 use crate::StepForces;
+use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
-use crate::motion::{RobotState, StepDerivativeError};
+use crate::motion::simulate::StepError;
 
 /// Scratch for [`step_pullback`] on one model.
 #[derive(Clone, Debug)]
@@ -153,9 +154,9 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 /// ```
 ///
 /// # Errors
-/// - [`StepDerivativeError::Step`] if a given or computed float is not finite, if `h` is not positive, or if
+/// - [`StepError`] if a given or computed float is not finite, if `h` is not positive, or if
 ///   M(q) is singular, with the names of the joints (checked in advance for `f64`).
-/// - [`StepDerivativeError::Implicit`] for the variational rows.
+/// - [`StepError::NotDifferentiable`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -168,7 +169,7 @@ pub fn step_pullback<S: Scalar>(
     h: f64,
     RobotState { q, v }: RobotState<'_, S>,
     cotangents: MotionCotangents<'_, S>,
-) -> Result<(), StepDerivativeError> {
+) -> Result<(), StepError> {
     let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(h)?;
     workspace.dynamics.check_inputs(model, q);
@@ -179,7 +180,7 @@ pub fn step_pullback<S: Scalar>(
     check_length("the cotangent of tau", by_force.len(), model.nv);
     check_parameters(model, parameters);
     let StepScheme::Explicit(stages) = integrator.scheme() else {
-        return Err(StepDerivativeError::Implicit { integrator });
+        return Err(StepError::NotDifferentiable { integrator });
     };
     let given = [("q", q), ("v", v), ("tau", forces.tau)];
     let cotangents = [("the cotangent of q", &*by_position), ("the cotangent of v", &*by_velocity)];

@@ -7,7 +7,8 @@ use super::divergence_cause::DivergenceCause;
 use super::event::{Cause, NoValue};
 use super::{CallbackError, ControllerError, Run, StepError};
 
-/// An error of a run.
+/// The error of a step or a run of a [`Simulation`](crate::simulator::Simulation). A run that keeps its results
+/// returns it in a [`RunFailure`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[doc(alias = "StepFailure")]

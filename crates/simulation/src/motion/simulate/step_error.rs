@@ -1,7 +1,7 @@
 //! Errors of a step.
 
 use robot_dynamics_core::SingularMass;
-use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_integrators::{Integrator, IntegratorError};
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
@@ -9,12 +9,15 @@ use super::CallbackError;
 use crate::equality::error::ConstraintError;
 use crate::motion::integrate::explicit::explicit_names;
 
-/// An error of a step by any method. A run adds the time and the coordinate: [`RunError`](crate::RunError).
+/// An error of a step by any method, of its derivatives, and of the pullback of a step or a rollout. A run adds the time and the coordinate: [`RunError`](crate::RunError).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "MethodError")]
 #[doc(alias = "ActuatedStepError")]
 #[doc(alias = "AdaptiveStepError")]
+#[doc(alias = "StepDerivativeError")]
+#[doc(alias = "LinearizeStepError")]
+#[doc(alias = "PullbackError")]
 pub enum StepError {
     /// An invalid argument, a number that is not finite, an iteration that did not converge, or an interrupt.
     #[error(transparent)]
@@ -71,6 +74,27 @@ pub enum StepError {
         /// The last step \[s\].
         step: f64,
     },
+    /// The derivatives or the pullback of a step by a row that solves an equation in each step.
+    #[error(
+        "{integrator} solves an equation at each step, which is not differentiated; use an explicit row ({}), \
+         or linearize_by_differences",
+        explicit_names()
+    )]
+    NotDifferentiable {
+        /// The requested row.
+        integrator: Integrator,
+    },
+    /// The step is discontinuous on both sides of the state and has no derivative.
+    #[error(
+        "the step has no derivative by the {quantity} of `{coordinate}`: it jumps on both sides of this state, as contacts open or close \
+         there; linearise at a state that is not at the edge of a contact, or with another step length"
+    )]
+    Discontinuous {
+        /// The perturbed quantity: `q`, `v` or `tau`.
+        quantity: &'static str,
+        /// The perturbed coordinate.
+        coordinate: String,
+    },
     /// A custom stepper failed.
     #[error(transparent)]
     Callback(#[from] CallbackError),
@@ -89,7 +113,8 @@ impl Classified for StepError {
             Self::Integrator(error) => error.kind(),
             Self::SingularMass(error) => error.kind(),
             Self::Constraint(error) => error.kind(),
-            Self::NotExplicit { .. } => ErrorKind::Unsupported,
+            Self::NotExplicit { .. } | Self::NotDifferentiable { .. } => ErrorKind::Unsupported,
+            Self::Discontinuous { .. } => ErrorKind::Infeasible,
             Self::StepTooSmall { .. } | Self::TooManySteps { .. } => ErrorKind::NotConverged,
             Self::Diverged { .. } => ErrorKind::Diverged,
             Self::Callback(error) => error.kind(),
