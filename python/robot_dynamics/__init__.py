@@ -52,6 +52,7 @@ from robot_dynamics.errors import (
     RobotDynamicsError,
     ShapeError,
     SimulationError,
+    SimulationInputError,
     SingularMassError,
     StateError,
 )
@@ -146,6 +147,7 @@ __all__ = [
     "Simulation",
     "SimulationBatch",
     "SimulationError",
+    "SimulationInputError",
     "SingularMassError",
     "Snapshot",
     "StateError",

@@ -84,6 +84,10 @@ class SimulationError(RobotDynamicsError, ArithmeticError):
         self.until = until
 
 
+class SimulationInputError(SimulationError, ValueError):
+    """An argument of a simulation is invalid, or its method does not support a request."""
+
+
 class BadSimulationsError(SimulationError):
     """Some simulations of a batch failed; all others completed the call.
 

@@ -1,21 +1,19 @@
 //! Loops, contacts, rolling, couplings: A(q) v = 0 beside the equation of motion.
 
-use std::fmt::Display;
-
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::constraints::{
-    Baumgarte, Constraint, ConstraintOptions, ConstraintSet, ContactSupport, Coupling, FrameConstraint,
-    NoSlip, Plane, RollingDisc, RollingRow, SpatialAxis, SupportProblem, constrained_forward_dynamics,
-    constrained_inverse_dynamics, constraint_drift, constraint_projections, contact_impulse,
-    project_position, project_velocity, supported_inverse_dynamics,
+    Baumgarte, Constraint, ConstraintError, ConstraintOptions, ConstraintSet, ContactSupport, Coupling,
+    FrameConstraint, NoSlip, Plane, RollingDisc, RollingRow, SpatialAxis, SupportProblem,
+    constrained_forward_dynamics, constrained_inverse_dynamics, constraint_drift, constraint_projections,
+    contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
 };
 use robot_dynamics::model::Workspace;
 use robot_dynamics::simulation::Integrator;
 
 pub(crate) use crate::constraint_set::Constraints;
-use crate::errors::Class;
+use crate::errors::{Class, exception, exception_of};
 use crate::numbers::{array, array_of, configuration, object, pose_of, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
@@ -33,7 +31,7 @@ impl Constraints {
         for (name, kind, places, numbers, rows) in fields {
             constraints.push((name.clone(), constraint(py, robot, &name, &kind, &places, &numbers, &rows)?));
         }
-        let set = ConstraintSet::new(&robot.model, constraints).map_err(|error| refused(py, &error))?;
+        let set = ConstraintSet::new(&robot.model, constraints).map_err(exception_of::<ConstraintError>)?;
         Ok(Self { set, fingerprint: robot.model.fingerprint(), robot: robot.model.name().into() })
     }
 
@@ -80,11 +78,6 @@ fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<
     Err(Class::Shape.error(py, format!("actuated has {found} entries, it must have nv = {nv}")))
 }
 
-#[cold]
-fn refused(py: Python<'_>, error: &dyn Display) -> PyErr {
-    Class::Constraint.error(py, error)
-}
-
 /// The rows of a closure by their names.
 pub(crate) fn closure_rows(rows: &[String]) -> PyResult<Vec<SpatialAxis>> {
     const ALL: [SpatialAxis; 6] =
@@ -111,7 +104,7 @@ fn constraint(
         let place = places.get(k).map_or("", String::as_str);
         model
             .frame_named(place)
-            .map_err(|error| Class::Frame.error(py, format!("constraint `{name}`: {error}")))
+            .map_err(|error| Class::of(&error).error(py, format!("constraint `{name}`: {error}")))
     };
     let three = |from: usize| -> PyResult<[f64; 3]> {
         let slice = numbers.get(from..from + 3).and_then(|three| three.try_into().ok());
@@ -143,7 +136,7 @@ fn constraint(
         _ => {
             let (offset, factors) = numbers.split_last().unwrap_or((&0.0, &[]));
             let terms: Vec<_> = places.iter().map(String::as_str).zip(factors.iter().copied()).collect();
-            Coupling::new(model, &terms, *offset).map_err(|error| refused(py, &error))?.into()
+            Coupling::new(model, &terms, *offset).map_err(exception_of::<ConstraintError>)?.into()
         }
     })
 }
@@ -201,7 +194,7 @@ impl Robot {
         let options = options_of(Integrator::RungeKutta4, stabilization);
         let motion = self
             .with_workspace(|w| constrained_forward_dynamics(&self.model, w, set, &options, &q, &v, &tau))
-            .map_err(|error| refused(py, &error))?;
+            .map_err(exception_of::<ConstraintError>)?;
         record(
             py,
             [
@@ -233,7 +226,7 @@ impl Robot {
         check_actuated(py, self, &actuated)?;
         let torque = self
             .with_workspace(|w| constrained_inverse_dynamics(&self.model, w, set, &q, &v, &a, &actuated))
-            .map_err(|error| refused(py, &error))?;
+            .map_err(exception_of::<ConstraintError>)?;
         record(
             py,
             [
@@ -257,7 +250,7 @@ impl Robot {
         force_weight: f64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let point = |(place, point, normal, friction): SupportFields| -> PyResult<ContactSupport> {
-            let frame = self.model.frame_named(&place).map_err(|error| Class::Frame.error(py, error))?;
+            let frame = self.model.frame_named(&place).map_err(exception)?;
             Ok(ContactSupport::new(frame, point, normal, friction))
         };
         let points = supports.into_iter().map(point).collect::<PyResult<Vec<_>>>()?;
@@ -271,7 +264,7 @@ impl Robot {
         check_actuated(py, self, &actuated)?;
         let torque = self
             .with_workspace(|w| supported_inverse_dynamics(&self.model, w, &all, &q, &v, &a, &actuated))
-            .map_err(|error| refused(py, &error))?;
+            .map_err(exception_of::<ConstraintError>)?;
         let forces = torque.forces.as_flattened();
         record(
             py,
@@ -298,7 +291,7 @@ impl Robot {
         let options = ConstraintOptions::default();
         let after = self
             .with_workspace(|w| contact_impulse(&self.model, w, set, &options, &q, &v, restitution))
-            .map_err(|error| refused(py, &error))?;
+            .map_err(exception_of::<ConstraintError>)?;
         record(
             py,
             [
@@ -326,7 +319,7 @@ impl Robot {
             project_position(&self.model, w, set, &options, tolerance, &mut q)?;
             project_velocity(&self.model, w, set, &options, &q, &mut v)
         })
-        .map_err(|error| refused(py, &error))?;
+        .map_err(exception_of::<ConstraintError>)?;
         Ok((array(py, &q)?, array(py, &v)?))
     }
 
@@ -341,7 +334,7 @@ impl Robot {
         let options = ConstraintOptions::default();
         let projections = self
             .with_workspace(|w| constraint_projections(&self.model, w, set, &options, &q))
-            .map_err(|error| refused(py, &error))?;
+            .map_err(exception_of::<ConstraintError>)?;
         Ok((array_of(py, &projections.velocity)?, array_of(py, &projections.force)?))
     }
 }

@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 use robot_dynamics::control::{FrameTarget, InverseKinematicsOptions, inverse_kinematics, operational_space};
 
 use crate::constraints::closure_rows;
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::numbers::{
     array, array_of, configuration, matrix, numbers, object, pose_of, record, vector_or_zeros,
 };
@@ -28,7 +28,7 @@ impl Robot {
         max_restarts: usize,
         seed: u64,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let frame = self.frame_of(py, frame)?;
+        let frame = self.frame_of(frame)?;
         let (shape, goal) = numbers(py, "target", target)?;
         let target: FrameTarget = match shape[..] {
             [3] => [goal[0], goal[1], goal[2]].into(),
@@ -54,7 +54,7 @@ impl Robot {
                 inverse_kinematics(model, workspace, frame, target, &start, &options)
             })
         });
-        let solution = solved.map_err(|error| Class::InverseKinematics.error(py, error))?;
+        let solution = solved.map_err(exception)?;
         record(
             py,
             [
@@ -76,11 +76,11 @@ impl Robot {
         frame: &Bound<'py, PyAny>,
         rows: Vec<String>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (frame, rows) = (self.frame_of(py, frame)?, closure_rows(&rows)?);
+        let (frame, rows) = (self.frame_of(frame)?, closure_rows(&rows)?);
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let space = self
             .with_workspace(|workspace| operational_space(&self.model, workspace, &q, &v, frame, &rows))
-            .map_err(|error| Class::Control.error(py, error))?;
+            .map_err(exception)?;
         record(
             py,
             [
@@ -106,8 +106,7 @@ pub(crate) fn dlqr<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (matrix(py, "A", a)?, matrix(py, "B", b)?);
     let (q, r) = (matrix(py, "Q", q)?, matrix(py, "R", r)?);
-    let found =
-        robot_dynamics::control::dlqr(&a, &b, &q, &r).map_err(|error| Class::Control.error(py, error))?;
+    let found = robot_dynamics::control::dlqr(&a, &b, &q, &r).map_err(exception)?;
     record(
         py,
         [

@@ -6,19 +6,15 @@ use robot_dynamics::description::{MassProperties, ModelError, RobotDescription};
 use robot_dynamics::model::{Model, lock_massless};
 use robot_dynamics::nalgebra::{Matrix3, Vector3};
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::numbers::{self, array, configuration, shaped, vector};
 use crate::robot::Robot;
 
 impl Robot {
     /// The state of a robot with another description; the Python half makes the robot from it.
-    fn edited(
-        &self,
-        py: Python<'_>,
-        edit: impl FnOnce(&mut RobotDescription) -> Result<(), ModelError>,
-    ) -> PyResult<String> {
+    fn edited(&self, edit: impl FnOnce(&mut RobotDescription) -> Result<(), ModelError>) -> PyResult<String> {
         let mut description = self.model.description().clone();
-        edit(&mut description).map_err(|error| Class::Description.error(py, error))?;
+        edit(&mut description).map_err(exception)?;
         self.state_of(&description)
     }
 }
@@ -26,8 +22,8 @@ impl Robot {
 #[pymethods]
 impl Robot {
     /// See `lock`.
-    fn _lock(&self, py: Python<'_>, joints: Vec<(String, Option<Vec<f64>>)>) -> PyResult<String> {
-        self.edited(py, |description| {
+    fn _lock(&self, joints: Vec<(String, Option<Vec<f64>>)>) -> PyResult<String> {
+        self.edited(|description| {
             joints.iter().try_for_each(|(joint, position)| {
                 let rest = match position {
                     Some(position) => position.clone(),
@@ -39,9 +35,9 @@ impl Robot {
     }
 
     /// See `lock_massless`.
-    fn _lock_massless(&self, py: Python<'_>) -> PyResult<(String, Vec<String>)> {
+    fn _lock_massless(&self) -> PyResult<(String, Vec<String>)> {
         let mut locked = Vec::new();
-        let state = self.edited(py, |description| {
+        let state = self.edited(|description| {
             locked = lock_massless(description)?;
             Ok(())
         })?;
@@ -66,19 +62,18 @@ impl Robot {
             return Err(Class::Shape.error(py, "inertia must have shape (3, 3)"));
         }
         let moments = Matrix3::from_fn(|i, j| moments[(i, j)]);
-        let load = MassProperties::new(mass, Vector3::from_row_slice(&center), moments)
-            .map_err(|error| Class::Description.error(py, error))?;
-        self.edited(py, |description| description.attach_payload(link, &load))
+        let load = MassProperties::new(mass, Vector3::from_row_slice(&center), moments).map_err(exception)?;
+        self.edited(|description| description.attach_payload(link, &load))
     }
 
     /// See `with_actuated_joints`.
-    fn _with_actuated_joints(&self, py: Python<'_>, joints: Vec<String>) -> PyResult<String> {
-        self.edited(py, |description| description.set_actuated_joints(joints))
+    fn _with_actuated_joints(&self, joints: Vec<String>) -> PyResult<String> {
+        self.edited(|description| description.set_actuated_joints(joints))
     }
 
     /// See `with_gravity_scaled`.
-    fn _with_gravity_scaled(&self, py: Python<'_>, factor: f64) -> PyResult<String> {
-        self.edited(py, |description| description.scale_gravity(factor))
+    fn _with_gravity_scaled(&self, factor: f64) -> PyResult<String> {
+        self.edited(|description| description.scale_gravity(factor))
     }
 }
 
@@ -132,8 +127,8 @@ impl JointMap {
             Some(reference) => configuration(py, whole, reference)?,
             None => resting(&whole.model),
         };
-        let map = robot_dynamics::model::JointMap::new(&whole.model, &part.model, &reference)
-            .map_err(|error| Class::Description.error(py, error))?;
+        let map =
+            robot_dynamics::model::JointMap::new(&whole.model, &part.model, &reference).map_err(exception)?;
         Ok(Self { map, full: full.clone().unbind(), reduced: reduced.clone().unbind() })
     }
 

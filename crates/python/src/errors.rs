@@ -1,9 +1,32 @@
 //! Exceptions: the classes of `robot_dynamics.errors`, raised from here.
 
+use std::any::TypeId;
+
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use robot_dynamics::batch::RolloutError;
+use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::{
+    DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
+};
+use robot_dynamics::description::ModelError;
+use robot_dynamics::simulation::{ControllerError, RunError, SimulationError, StepError};
 use robot_dynamics::text::lines;
+use robot_dynamics::{Classified, ErrorKind, FileError};
+use robot_dynamics_generate::GenerateError;
+
+/// The exception of an error of the library, of the class that [`Class::of`] gives.
+#[cold]
+pub(crate) fn exception<E: Classified>(error: E) -> PyErr {
+    Python::attach(|py| Class::of(&error).error(py, error))
+}
+
+/// The exception of an error that is one of a subject: `exception_of::<ControllerError>` for an invalid gain.
+#[cold]
+pub(crate) fn exception_of<E: Classified>(error: impl Into<E>) -> PyErr {
+    exception(error.into())
+}
 
 /// A class of `robot_dynamics.errors`.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +40,7 @@ pub(crate) enum Class {
     SingularMass,
     Frame,
     Simulation,
+    SimulationInput,
     Constraint,
     InverseKinematics,
     Control,
@@ -27,6 +51,40 @@ pub(crate) enum Class {
 }
 
 impl Class {
+    /// The class of an error of the library: the class of its subject, if its type belongs to one, and
+    /// otherwise the class of its kind.
+    pub(crate) fn of<E: Classified>(error: &E) -> Self {
+        let subjects = [
+            (TypeId::of::<SimulationError>(), Self::SimulationInput),
+            (TypeId::of::<RunError>(), Self::Simulation),
+            (TypeId::of::<StepError>(), Self::Simulation),
+            (TypeId::of::<RolloutError>(), Self::Simulation),
+            (TypeId::of::<ConstraintError>(), Self::Constraint),
+            (TypeId::of::<ControllerError>(), Self::Control),
+            (TypeId::of::<DlqrError>(), Self::Control),
+            (TypeId::of::<InverseKinematicsError>(), Self::InverseKinematics),
+            (TypeId::of::<ParameterizationError>(), Self::Planning),
+            (TypeId::of::<IdentificationError>(), Self::Identification),
+            (TypeId::of::<ModelError>(), Self::Description),
+            (TypeId::of::<FileError>(), Self::Load),
+            (TypeId::of::<GenerateError>(), Self::Generate),
+        ];
+        let subject = subjects.into_iter().find(|(own, _)| *own == TypeId::of::<E>()).map(|(_, class)| class);
+        match (subject, error.kind()) {
+            (
+                Some(Self::Simulation),
+                ErrorKind::InvalidInput | ErrorKind::UnknownName | ErrorKind::Unsupported,
+            ) => Self::SimulationInput,
+            (Some(class), _) => class,
+            (None, ErrorKind::File) => Self::Load,
+            (None, ErrorKind::Description | ErrorKind::Unsupported) => Self::Description,
+            (None, ErrorKind::UnknownName) => Self::Frame,
+            (None, ErrorKind::Singular) => Self::SingularMass,
+            (None, ErrorKind::Constraint) => Self::Constraint,
+            (None, _) => Self::State,
+        }
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Load => "LoadError",
@@ -38,6 +96,7 @@ impl Class {
             Self::SingularMass => "SingularMassError",
             Self::Frame => "FrameError",
             Self::Simulation => "SimulationError",
+            Self::SimulationInput => "SimulationInputError",
             Self::Constraint => "ConstraintError",
             Self::InverseKinematics => "InverseKinematicsError",
             Self::Control => "ControlError",

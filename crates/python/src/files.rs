@@ -9,9 +9,11 @@ use robot_dynamics::model::Model;
 use robot_dynamics::output::{file_read_at, write_files};
 use robot_dynamics::text::{lines, one_line, xml};
 use robot_dynamics::{Format, with_native_code};
-use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
+use robot_dynamics_generate::{
+    Arithmetic, Function, GenerateError, Precision, Request, Sine, Target, generate,
+};
 
-use crate::errors::Class;
+use crate::errors::{exception, exception_of};
 use crate::robot::Robot;
 
 /// The text, and for each omission its place, its description, and whether it affects the physics.
@@ -21,7 +23,7 @@ type Written = (String, Vec<(String, String, bool)>);
 impl Robot {
     /// See `to_text`.
     #[pyo3(signature = (format, folder))]
-    fn _to_text(&self, py: Python<'_>, format: &str, folder: Option<PathBuf>) -> PyResult<Written> {
+    fn _to_text(&self, format: &str, folder: Option<PathBuf>) -> PyResult<Written> {
         let format = match format {
             "urdf" => Format::Urdf,
             "mjcf" => Format::Mjcf,
@@ -31,8 +33,8 @@ impl Robot {
                 )));
             }
         };
-        let written = robot_dynamics::write(self.model.description(), format, folder.as_deref())
-            .map_err(|error| Class::Description.error(py, error))?;
+        let written =
+            robot_dynamics::write(self.model.description(), format, folder.as_deref()).map_err(exception)?;
         let left_out = written.left_out.into_iter().map(|own| (own.place, own.message, own.physics));
         Ok((written.text, left_out.collect()))
     }
@@ -58,7 +60,6 @@ impl Robot {
         name: Option<String>,
         states: u16,
     ) -> PyResult<Vec<(String, String)>> {
-        let refused = |error: robot_dynamics_generate::GenerateError| Class::Generate.error(py, error);
         let names = Target::ALL.map(Target::name);
         let target = Target::ALL.into_iter().find(|own| own.name() == target).ok_or_else(|| {
             PyValueError::new_err(format!("target = {target:?} must be one of {}", names.join(", ")))
@@ -67,7 +68,7 @@ impl Robot {
             .iter()
             .map(|name| name.parse())
             .collect::<Result<Vec<Function>, _>>()
-            .map_err(|error| refused(error.into()))?;
+            .map_err(exception_of::<GenerateError>)?;
         let precision = if single { Precision::Single } else { Precision::Double };
         let mut arithmetic = Arithmetic::new(precision);
         if fused {
@@ -78,7 +79,7 @@ impl Robot {
         }
         let mut request = Request::new(target, functions).with_arithmetic(arithmetic);
         (request.name, request.states, request.lanes) = (name, usize::from(states), lanes);
-        let generated = py.detach(|| generate(&self.model, &request)).map_err(refused)?;
+        let generated = py.detach(|| generate(&self.model, &request)).map_err(exception)?;
         if let Some(folder) = folder {
             for path in generated.paths(&folder) {
                 if let Some(file) = file_read_at(&path, &self.report.files) {
@@ -89,7 +90,7 @@ impl Robot {
                     )));
                 }
             }
-            generated.write(folder).map_err(refused)?;
+            generated.write(folder).map_err(exception)?;
         }
         Ok(generated.files.into_iter().map(|file| (file.name, file.text)).collect())
     }
@@ -134,16 +135,11 @@ pub(crate) fn _write_text(path: PathBuf, text: &str) -> PyResult<()> {
 /// See `random_robot`.
 #[pyfunction]
 #[pyo3(signature = (seed, joints, floating_base))]
-pub(crate) fn _random_robot(
-    py: Python<'_>,
-    seed: u64,
-    joints: usize,
-    floating_base: bool,
-) -> PyResult<String> {
+pub(crate) fn _random_robot(seed: u64, joints: usize, floating_base: bool) -> PyResult<String> {
     let base = if floating_base { Base::Floating } else { Base::Fixed };
     let options = RandomRobotOptions { joints, base, ..RandomRobotOptions::default() };
     let description = robot_dynamics::description::random_robot(seed, &options);
-    let model = Model::new(description).map_err(|error| Class::Description.error(py, error))?;
+    let model = Model::new(description).map_err(exception)?;
     let robot = Robot::of(with_native_code(model), LoadReport::default());
     robot.state_of(robot.model.description())
 }

@@ -2,10 +2,10 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::control::{MotionRecord, physical_consistency};
+use robot_dynamics::control::{IdentificationError, MotionRecord, physical_consistency};
 use robot_dynamics::nalgebra::DVector;
 
-use crate::errors::Class;
+use crate::errors::{Class, exception, exception_of};
 use crate::numbers::{array, array_of, object, record, shaped};
 use crate::robot::Robot;
 
@@ -59,7 +59,7 @@ impl BaseParameters {
     fn values<'py>(&self, py: Python<'py>, parameters: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (_, parameters) = shaped(py, "parameters", parameters, &[self.parameters.combinations.ncols()])?;
         let values = self.parameters.values(&parameters);
-        array(py, values.map_err(|error| Class::Identification.error(py, error))?.as_slice())
+        array(py, values.map_err(exception_of::<IdentificationError>)?.as_slice())
     }
 
     /// Finds the π nearest to a given one that has these β.
@@ -91,7 +91,7 @@ impl BaseParameters {
         let (_, values) = shaped(py, "values", values, &[self.parameters.len()])?;
         let (_, nominal) = shaped(py, "nominal", nominal, &[self.parameters.combinations.ncols()])?;
         let nearest = self.parameters.nearest_parameters(&DVector::from_vec(values), &nominal);
-        array(py, nearest.map_err(|error| Class::Identification.error(py, error))?.as_slice())
+        array(py, nearest.map_err(exception_of::<IdentificationError>)?.as_slice())
     }
 
     fn __len__(&self) -> usize {
@@ -129,14 +129,12 @@ impl Robot {
         let (_, v) = shaped(py, "v", v, &[states, nv])?;
         let (_, a) = shaped(py, "a", a, &[states, nv])?;
         let (_, tau) = shaped(py, "tau", tau, &[states, nv])?;
-        let refused =
-            |error: robot_dynamics::control::IdentificationError| Class::Identification.error(py, error);
         let mut motion = MotionRecord::new(&self.model, dissipation);
         for k in 0..states {
             let row = k * nv..(k + 1) * nv;
             motion
                 .push(&q[k * nq..(k + 1) * nq], &v[row.clone()], &a[row.clone()], &tau[row])
-                .map_err(refused)?;
+                .map_err(exception_of::<IdentificationError>)?;
             if k % 256 == 0 {
                 py.check_signals()?;
             }
@@ -153,7 +151,7 @@ impl Robot {
                 &own
             }
         };
-        let found = py.detach(|| base.identify(&motion)).map_err(refused)?;
+        let found = py.detach(|| base.identify(&motion)).map_err(exception)?;
         record(
             py,
             [
@@ -181,7 +179,7 @@ impl Robot {
         let own = robot_dynamics::algorithms::inertial_parameters(&self.model).len();
         let (_, parameters) = shaped(py, "parameters", parameters, &[own])?;
         let links = physical_consistency(&self.model, &parameters);
-        let links = links.map_err(|error| Class::Identification.error(py, error))?;
+        let links = links.map_err(exception_of::<IdentificationError>)?;
         let row = |link: &robot_dynamics::control::LinkConsistency| {
             (link.link.clone(), link.mass, link.smallest, link.largest, link.is_consistent())
         };

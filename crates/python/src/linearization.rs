@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences, linearize_step};
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{StepError, StepForces, StepWorkspace, Stepper};
+use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
 
-use crate::errors::Class;
+use crate::errors::exception;
 use crate::ffi::{self, Array};
 use crate::numbers::{configuration, vector, vector_or_zeros};
 use crate::outcome;
@@ -49,9 +49,9 @@ impl Robot {
                 let workspace = scratch.linearized(model);
                 let out = LinearizedStep { by_state, by_force };
                 linearize_step(model, row, workspace, &forces, h, RobotState { q: &q, v: &v }, out)
-                    .map_err(|error| Class::Simulation.error(py, error))
+                    .map_err(exception)
             }),
-            None => by_differences(py, model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
+            None => by_differences(model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
         }?;
         let [by_state, by_force] = arrays;
         Ok((by_state, by_force))
@@ -60,7 +60,6 @@ impl Robot {
 
 /// The derivatives of a step. Its contacts are those that a step from this state finds.
 fn by_differences<S: Stepper + Clone>(
-    py: Python<'_>,
     model: &Model,
     mut stepper: S,
     forces: &StepForces<'_>,
@@ -69,9 +68,8 @@ fn by_differences<S: Stepper + Clone>(
     (by_state, by_force): (&mut [f64], &mut [f64]),
 ) -> PyResult<()> {
     let workspace = &mut StepWorkspace::new(model);
-    let refused = |error: StepError| Class::Simulation.error(py, error);
-    stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
+    stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(exception)?;
     let out = LinearizedStep { by_state, by_force };
     linearize_by_differences(model, &stepper, workspace, forces, h, RobotState { q, v }, out)
-        .map_err(|error| Class::Simulation.error(py, error))
+        .map_err(exception)
 }

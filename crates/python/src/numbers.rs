@@ -7,7 +7,7 @@ use robot_dynamics::description::Pose;
 use robot_dynamics::model::check_configuration;
 use robot_dynamics::nalgebra::DMatrix;
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::ffi::{self, Array, Kind};
 use crate::operand::{as_array, as_floats, shown};
 use crate::outcome;
@@ -77,7 +77,7 @@ pub(crate) fn vector_or_zeros(
 /// A configuration.
 pub(crate) fn configuration(py: Python<'_>, robot: &Robot, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let (_, q) = shaped(py, "q", object, &[robot.model.nq()])?;
-    check_configuration(&robot.model, &q).map_err(|error| Class::State.error(py, error))?;
+    check_configuration(&robot.model, &q).map_err(exception)?;
     Ok(q)
 }
 

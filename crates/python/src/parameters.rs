@@ -6,7 +6,7 @@ use robot_dynamics::control::physical_consistency;
 use robot_dynamics::derivatives::{parameter_values, with_parameters};
 use robot_dynamics::description::RobotDescription;
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::numbers::{array, shaped};
 use crate::robot::Robot;
 
@@ -54,8 +54,7 @@ impl Robot {
         as_written: bool,
     ) -> PyResult<String> {
         let (_, values) = shaped(py, "parameters", parameters, &[usize::MAX])?;
-        let description =
-            with_parameters(&self.model, &values).map_err(|error| Class::Description.error(py, error))?;
+        let description = with_parameters(&self.model, &values).map_err(exception)?;
         if !as_written {
             self.check_bodies(&values, &description).map_err(|text| Class::Description.error(py, text))?;
         }

@@ -3,11 +3,12 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::control::{
-    Collocation, CubicSpline, MotionLimits, TimeOptimal, TimedPath, limit_utilization, time_optimal,
+    Collocation, CubicSpline, MotionLimits, ParameterizationError, TimeOptimal, TimedPath, limit_utilization,
+    time_optimal,
 };
 use robot_dynamics::model::Model;
 
-use crate::errors::Class;
+use crate::errors::{Class, exception, exception_of};
 use crate::numbers::{array, shaped, vector};
 use crate::outcome;
 use crate::robot::Robot;
@@ -30,16 +31,15 @@ impl Robot {
         both_ends: bool,
         samples: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let refused = |error: &dyn std::fmt::Display| Class::Planning.error(py, error);
         let model = &self.model;
         let rows = waypoint_rows(py, self, waypoints)?;
         let limits = limits_of(py, self, [torque, velocity, lower, upper])?;
         check_waypoints(py, model, &rows, &limits)?;
-        let path = CubicSpline::through(&rows).map_err(|error| refused(&error))?;
+        let path = CubicSpline::through(&rows).map_err(exception_of::<ParameterizationError>)?;
         let mut options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals);
         (options.start_speed, options.end_speed) = (start_speed, end_speed);
         options.collocation = if both_ends { Collocation::BothEnds } else { Collocation::Start };
-        let timed = py.detach(|| time_optimal(model, &path, &options)).map_err(|error| refused(&error))?;
+        let timed = py.detach(|| time_optimal(model, &path, &options)).map_err(exception)?;
         let used = limit_utilization(model, &path, &timed, &limits, 4);
         let record = sampled(py, model, &path, &timed, samples.max(2))?;
         record.set_item("duration", timed.duration())?;

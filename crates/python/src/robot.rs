@@ -15,7 +15,7 @@ use robot_dynamics::{
     LoadOptions, LoadedDescription, load_description, load_description_from_text, with_native_code,
 };
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::ffi::ArrayNumber;
 use crate::scratch::{Batch, Scratch, Slots};
 use crate::simulation::options::Setup;
@@ -139,7 +139,7 @@ impl Robot {
     }
 
     /// A frame by its name or its index.
-    pub(crate) fn frame_of(&self, py: Python<'_>, frame: &Bound<'_, PyAny>) -> PyResult<FrameId> {
+    pub(crate) fn frame_of(&self, frame: &Bound<'_, PyAny>) -> PyResult<FrameId> {
         if let Ok(name) = frame.cast::<PyString>()
             && let Ok(name) = name.to_cow()
         {
@@ -147,7 +147,7 @@ impl Robot {
                 Some(&index) => Ok(self.frames[index]),
                 None => match self.model.frame_named(&name) {
                     Ok(frame) => Ok(frame),
-                    Err(error) => Err(Class::Frame.error(py, error)),
+                    Err(error) => Err(exception(error)),
                 },
             };
         }
@@ -198,23 +198,22 @@ impl Robot {
     ) -> PyResult<Self> {
         let package_path = package_path.unwrap_or_default();
         let options = LoadOptions { floating_base, strict, repair_inertia, package_path, confined };
-        let refused = |error: &dyn std::fmt::Display| Class::Load.error(py, error);
         match kind {
             "path" => {
                 let path: PathBuf = source.extract()?;
                 let read = py.detach(|| load_description(&path, &options));
-                Self::made(py, read.map_err(|error| refused(&error))?)
+                Self::made(py, read.map_err(exception)?)
             }
             "text" => {
                 let text: String = source.extract()?;
                 let read = py.detach(|| load_description_from_text(&text, &options));
-                Self::made(py, read.map_err(|error| refused(&error))?)
+                Self::made(py, read.map_err(exception)?)
             }
             _ => {
                 let text: String = source.extract()?;
                 let (description, report): (RobotDescription, LoadReport) =
-                    serde_json::from_str(&text).map_err(|error| refused(&error))?;
-                let model = Model::new(description).map_err(|error| refused(&error))?;
+                    serde_json::from_str(&text).map_err(|error| Class::Load.error(py, error))?;
+                let model = Model::new(description).map_err(|error| Class::Load.error(py, error))?;
                 Ok(Self::of(with_native_code(model), report))
             }
         }
@@ -274,11 +273,9 @@ impl Robot {
     }
 
     /// The pairs of links whose collisions an SRDF file disables.
-    fn _disabled_collisions(&self, path: PathBuf) -> PyResult<Vec<(String, String)>> {
-        let refused = |error: robot_dynamics::urdf::SrdfError| {
-            PyValueError::new_err(format!("{}: {error}", path.display()))
-        };
-        robot_dynamics::urdf::load_disabled_collisions(&path, self.model.description()).map_err(refused)
+    fn _disabled_collisions(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<(String, String)>> {
+        let pairs = robot_dynamics::urdf::load_disabled_collisions(&path, self.model.description());
+        pairs.map_err(|error| Class::Load.error(py, format!("{}: {error}", path.display())))
     }
 
     /// The report in the library's own words.

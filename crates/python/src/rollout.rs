@@ -10,7 +10,7 @@ use robot_dynamics::batch::{
 };
 use robot_dynamics::simulation::{Integrator, RunOptions, Simulation, Stepper};
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::ffi::{self, Array, Kind, Slices};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::number::Number;
@@ -221,7 +221,7 @@ impl<'py> RolloutRequest<'_, 'py> {
         match outcome {
             Ok(()) => Ok(Vec::new()),
             Err(RolloutError::BadStates(bad)) => Ok(bad.states),
-            Err(error) => Err(Class::Simulation.error(self.py, error)),
+            Err(error) => Err(exception(error)),
         }
     }
 }

@@ -5,12 +5,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::derivatives::{
-    MotionCotangents, RobotState, RolloutPullbackWorkspace, StepDerivativeError, TrajectoryCotangents,
-    parameter_count, rollout_pullback,
+    MotionCotangents, RobotState, RolloutPullbackWorkspace, TrajectoryCotangents, parameter_count,
+    rollout_pullback,
 };
 use robot_dynamics::simulation::{Effect, Integrator, Method, StepError};
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::ffi::{self, Array, Kind};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::number::Number;
@@ -93,7 +93,7 @@ impl Robot {
         if row.is_explicit() {
             return Ok((row.name(), dissipates));
         }
-        Err(Class::Simulation.error(py, RolloutError::Implicit { integrator: row }))
+        Err(exception(RolloutError::Implicit { integrator: row }))
     }
 }
 
@@ -241,10 +241,8 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
             cotangents,
         );
         computed.map_err(|error| match error {
-            StepDerivativeError::Step(StepError::SingularMass(error)) => {
-                Class::SingularMass.error(self.py, error)
-            }
-            error => Class::Simulation.error(self.py, error),
+            StepError::SingularMass(error) => exception(error),
+            error => exception(error),
         })?;
         for (numbers, computed) in
             [by_position, by_velocity, by_force, by_parameters].into_iter().zip(&results)
@@ -289,7 +287,7 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
         match outcome? {
             Ok(()) => Ok(Vec::new()),
             Err(RolloutError::BadStates(bad)) => Ok(bad.states),
-            Err(error) => Err(Class::Simulation.error(self.py, error)),
+            Err(error) => Err(exception(error)),
         }
     }
 }

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::description::{JointKind, Mount, Object, Shape, Surface};
 
-use crate::errors::Class;
+use crate::errors::exception;
 use crate::numbers::{pose_of, shaped};
 use crate::robot::Robot;
 
@@ -74,7 +74,7 @@ impl Scene {
         }
         let before = self.scene.notes().len();
         let added = self.scene.add(robot.model.description(), &mount);
-        added.map_err(|error| Class::Description.error(py, error))?;
+        added.map_err(exception)?;
         Ok(self.scene.notes()[before..].to_vec())
     }
 
@@ -103,7 +103,7 @@ impl Scene {
             surface.friction[0] = friction;
         }
         let added = self.scene.add_object(&object.with_surface(surface), pose_of(&pose));
-        added.map_err(|error| Class::Description.error(py, error))
+        added.map_err(exception)
     }
 
     /// The scene as one robot: its description as JSON.

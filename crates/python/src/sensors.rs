@@ -5,7 +5,7 @@ use robot_dynamics::description::{SensorDescription, SensorKind, SensorObject};
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::simulation::{PointForce, SensorInputs, SensorSet};
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::numbers::{array, configuration, shaped, vector};
 use crate::robot::Robot;
 
@@ -16,11 +16,11 @@ type Pushed<'py> = (Bound<'py, PyAny>, [f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 type Added = (String, String, Option<String>, Option<String>);
 
 impl Robot {
-    fn sensor_set(&self, py: Python<'_>) -> PyResult<&SensorSet> {
+    fn sensor_set(&self) -> PyResult<&SensorSet> {
         if let Some(set) = self.sensors.get() {
             return Ok(set);
         }
-        let set = SensorSet::new(&self.model).map_err(|error| Class::Description.error(py, error))?;
+        let set = SensorSet::new(&self.model).map_err(exception)?;
         Ok(self.sensors.get_or_init(|| set))
     }
 }
@@ -60,7 +60,7 @@ impl Robot {
         tendon_limit_forces: Option<&Bound<'py, PyAny>>,
         wrenches: Vec<Pushed<'py>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (set, description) = (self.sensor_set(py)?, self.model.description());
+        let (set, description) = (self.sensor_set()?, self.model.description());
         let q = configuration(py, self, q)?;
         let (v, a) = (vector(py, self, "v", v)?, vector(py, self, "a", a)?);
         let actuators = forces(py, "actuator_forces", actuator_forces, description.actuators.len())?;
@@ -68,7 +68,7 @@ impl Robot {
         let tendons = forces(py, "tendon_limit_forces", tendon_limit_forces, description.tendons.len())?;
         let mut pushes = Vec::with_capacity(wrenches.len());
         for (link, point, force, moment, normal) in wrenches {
-            let link: FrameId = self.frame_of(py, &link)?;
+            let link: FrameId = self.frame_of(&link)?;
             let mut push = PointForce::new(link, point, force);
             (push.moment, push.normal) = (moment, normal);
             pushes.push(push);
@@ -89,22 +89,20 @@ impl Robot {
 
     /// See `with_sensors`.
     fn _with_sensors(&self, py: Python<'_>, sensors: Vec<Added>) -> PyResult<String> {
-        let refused = |error: &dyn std::fmt::Display| Class::Description.error(py, error);
         let mut description = self.model.description().clone();
         for (name, kind, object, reference) in sensors {
             let Some(kind) = SensorKind::named(&kind) else {
                 let kinds: Vec<_> = SensorKind::ALL.iter().map(|kind| kind.name()).collect();
-                return Err(refused(&format!(
-                    "sensor `{name}`: there is no kind `{kind}`; there are {}",
-                    kinds.join(", ")
-                )));
+                let kinds = kinds.join(", ");
+                let message = format!("sensor `{name}`: there is no kind `{kind}`; there are {kinds}");
+                return Err(Class::Description.error(py, message));
             };
             let object = object.map_or(SensorObject::Robot, SensorObject::Named);
             let mut sensor = SensorDescription::new(name, kind, object);
             sensor.reference = reference.map(SensorObject::Named);
             description.sensors.push(sensor);
         }
-        Model::new(description.clone()).map_err(|error| refused(&error))?;
+        Model::new(description.clone()).map_err(exception)?;
         self.state_of(&description)
     }
 }

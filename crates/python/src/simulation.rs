@@ -18,15 +18,15 @@ use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulation::{
-    CallbackError, ControllerError, Event, Run, RunError, RunOptions, SampleInterval, Simulation, StepInfo,
-    steps_in,
+    CallbackError, ControllerError, Event, Run, RunError, RunOptions, SampleInterval, Simulation,
+    SimulationError, StepInfo, steps_in,
 };
 
 use self::energy_account::{energy_account_of, losses_of, statistics_of};
 use self::options::Setup;
 use self::setup::controls_of;
 use self::torques::Torques;
-use crate::errors::Class;
+use crate::errors::{Class, exception, exception_of};
 use crate::interrupts::interruptible_by;
 use crate::numbers::{array, configuration, object, record, vector, vector_or_zeros};
 use crate::outcome;
@@ -264,13 +264,9 @@ fn record_contacts(
 
 /// The exception of a run that failed, with the run until then and the exception that Python itself had
 /// raised.
-fn failed<'py>(
-    py: Python<'py>,
-    error: &(dyn std::error::Error + 'static),
-    until: Bound<'py, PyDict>,
-) -> PyErr {
-    let raised = Class::Simulation.error_with(py, error, &[("until", until.into_any())]);
-    let mut cause = Some(error);
+fn failed<'py>(py: Python<'py>, error: &RunError, until: Bound<'py, PyDict>) -> PyErr {
+    let raised = Class::of(error).error_with(py, error, &[("until", until.into_any())]);
+    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
     while let Some(error) = cause {
         let callback = match error.downcast_ref() {
             Some(ControllerError::Callback(callback)) => Some(callback),
@@ -309,15 +305,15 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyDict>> {
         let setup = Setup::of(options)?;
         let (step, is_adaptive) = (setup.dt(), setup.is_adaptive());
-        let steps = steps_of(py, duration, step)?;
+        let steps = steps_of(duration, step)?;
         let samples = sample_interval(sample_period)?;
-        let stride = samples.steps(step).map_err(|error| Class::Simulation.error(py, error))?;
+        let stride = samples.steps(step).map_err(exception_of::<SimulationError>)?;
         let mut torques = Torques::of(py, self, tau, steps, step)?;
         let flag = Arc::new(AtomicBool::new(false));
         let setup = setup.holding(torques.period()).interrupted_by(Arc::clone(&flag));
         let mut simulation = setup.build(py, self)?;
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
-        simulation.reset(&q, &v).map_err(|error| Class::Simulation.error(py, error))?;
+        simulation.reset(&q, &v).map_err(exception)?;
         set_controls(self, &mut simulation, controls)?;
         let plan = RunPlan { robot: self, steps, samples, stride, events, stop_at_limits, is_adaptive, flag };
         let Recording { run, error, actuator_forces } = plan.run(py, &mut simulation, &mut torques)?;
@@ -351,11 +347,10 @@ impl Robot {
         let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
-        let refused = |error: RunError| Class::Simulation.error(py, error);
-        simulation.reset(&q, &v).map_err(refused)?;
+        simulation.reset(&q, &v).map_err(exception)?;
         set_controls(self, &mut simulation, controls)?;
         simulation.set_torques(&tau);
-        simulation.step().map_err(refused)?;
+        simulation.step().map_err(exception)?;
         Ok((array(py, simulation.q())?, array(py, simulation.v())?))
     }
 }
@@ -382,6 +377,6 @@ fn array_of_counts<'py>(py: Python<'py>, counts: &[usize]) -> PyResult<Bound<'py
 }
 
 /// How many steps a time takes.
-fn steps_of(py: Python<'_>, duration: f64, step: f64) -> PyResult<usize> {
-    steps_in(duration, step).map_err(|error| Class::Simulation.error(py, error))
+fn steps_of(duration: f64, step: f64) -> PyResult<usize> {
+    steps_in(duration, step).map_err(exception_of::<SimulationError>)
 }

@@ -2,9 +2,10 @@
 
 use pyo3::prelude::*;
 use robot_dynamics::control::Reference;
+use robot_dynamics::simulation::ControllerError;
 
 use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
-use crate::errors::Class;
+use crate::errors::exception_of;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
@@ -99,7 +100,7 @@ impl Controls for ComputedTorque {
             &self.stiffness,
             &self.damping,
         )
-        .map_err(|error| Class::Control.error(py, error))?;
+        .map_err(exception_of::<ControllerError>)?;
         let law = if self.dissipation { law.with_dissipation() } else { law };
         Ok(Law { controller: Box::new(law), is_called })
     }

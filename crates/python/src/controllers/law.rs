@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use robot_dynamics::simulation::Controller;
 
-use crate::errors::Class;
+use crate::errors::{Class, exception};
 use crate::numbers::{array, configuration, vector};
 use crate::robot::Robot;
 
@@ -45,7 +45,7 @@ pub(super) fn torque<'py>(
         Ok(()) => array(py, &tau),
         Err(error) => Err(match raised(py, &error) {
             Some(own) => own,
-            None => Class::Control.error(py, error),
+            None => exception(error),
         }),
     }
 }

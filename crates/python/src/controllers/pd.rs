@@ -2,10 +2,10 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::simulation::GravityAt;
+use robot_dynamics::simulation::{ControllerError, GravityAt};
 
 use super::law::{Controls, Law, check_own, torque};
-use crate::errors::Class;
+use crate::errors::exception_of;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;
 
@@ -122,7 +122,7 @@ impl Controls for GravityCompensatedPd {
             &self.stiffness,
             &self.damping,
         )
-        .map_err(|error| Class::Control.error(py, error))?
+        .map_err(exception_of::<ControllerError>)?
         .with_gravity_at(self.gravity_at);
         let law = match &self.limits {
             Some(limits) => law.with_limits(limits),

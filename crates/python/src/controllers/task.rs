@@ -6,10 +6,11 @@ use robot_dynamics::algorithms::{SpatialAcceleration, Twist};
 use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
 use robot_dynamics::model::FrameId;
+use robot_dynamics::simulation::ControllerError;
 
 use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
 use crate::constraints::closure_rows;
-use crate::errors::Class;
+use crate::errors::{Class, exception_of};
 use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
@@ -117,7 +118,7 @@ impl TaskControl {
             }
         };
         let control = Self {
-            frame: own.frame_of(py, frame)?,
+            frame: own.frame_of(frame)?,
             reference,
             gains: TaskGains { stiffness, damping, null_damping },
             rows: rows.map(|rows| task_rows(&rows, &shape)).transpose()?,
@@ -151,16 +152,17 @@ impl Controls for TaskControl {
                 let followed = $followed.share(py);
                 let is_called = followed.is_called();
                 let reference = move |t: f64| followed.at(t, $read);
-                let refused = |error| Class::Control.error(py, error);
                 let law = robot_dynamics::control::TaskControl::new(
                     &robot.model,
                     self.frame,
                     reference,
                     self.gains,
                 )
-                .map_err(refused)?;
+                .map_err(exception_of::<ControllerError>)?;
                 let law = match &self.posture {
-                    Some((posture, stiffness)) => law.with_posture(posture, *stiffness).map_err(refused)?,
+                    Some((posture, stiffness)) => {
+                        law.with_posture(posture, *stiffness).map_err(exception_of::<ControllerError>)?
+                    }
                     None => law,
                 };
                 let law = match &self.rows {

@@ -69,7 +69,7 @@ impl Robot {
         const ROW: Row =
             Row { name: "frame_poses", operands: &[operand!(q)], results: &[Poses], work: Work::Poses };
         let Some(frames) = frames else { return call(py, self, &ROW, &[q], &self.frames, out, threads) };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
+        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(frame)).collect::<PyResult<_>>()?;
         call(py, self, &ROW, &[q], &frames, out, threads)
     }
 }

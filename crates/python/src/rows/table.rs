@@ -69,7 +69,7 @@ macro_rules! rows {
                     out: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
                     threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
                 ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
-                    let frames = &[$(self.frame_of(py, $frame)?)?];
+                    let frames = &[$(self.frame_of($frame)?)?];
                     $crate::call::call(py, self, &table::$name, &[$($operand),*], frames, out, threads)
                 }
             )*
@@ -134,7 +134,7 @@ macro_rules! frame_rows {
                     threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
                 ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
                     let seen = $crate::row::reference_frame_of("reference_frame", reference_frame)?;
-                    let (row, frames) = (&frame_table::$name[seen as usize], &[self.frame_of(py, frame)?]);
+                    let (row, frames) = (&frame_table::$name[seen as usize], &[self.frame_of(frame)?]);
                     $crate::call::call(py, self, row, &[$($operand),*], frames, out, threads)
                 }
             )*

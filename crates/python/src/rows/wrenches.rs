@@ -120,7 +120,7 @@ impl Robot {
                 )));
             }
         };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
+        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(frame)).collect::<PyResult<_>>()?;
         call(py, self, row, &[q, v, x, wrenches], &frames, out, threads)
     }
 }

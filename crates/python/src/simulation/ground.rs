@@ -1,17 +1,16 @@
 //! The ground of a simulation, by the arguments of the Python half.
 
-use robot_dynamics::contact::{ContactError, ContactSet};
+use robot_dynamics::contact::ContactSet;
 use robot_dynamics::height_field;
 
 use crate::robot::Robot;
 
 /// Refuses a robot whose file has neither height fields nor planes in its world.
 pub(super) fn check_file_ground(robot: &Robot) -> Result<(), String> {
-    let refused = |error: ContactError| error.to_string();
     let contacts = ContactSet::with_meshes(&robot.model, &[], |_| Err("meshes are no ground".into()))
         .and_then(|contacts| contacts.with_described_planes(&robot.model))
         .and_then(|contacts| contacts.with_described_height_fields(&robot.model, height_field))
-        .map_err(refused)?;
+        .map_err(|error| error.to_string())?;
     if contacts.height_field_count() + contacts.ground_count() > 0 {
         return Ok(());
     }

@@ -112,7 +112,7 @@ impl Setup {
             return Ok(self);
         }
         let names: Vec<&str> = Method::names().filter(|name| *name != Method::Adaptive.name()).collect();
-        Err(Class::Simulation.error(
+        Err(Class::SimulationInput.error(
             py,
             format!(
                 "integrator='adaptive' has steps as long as its tolerance allows: `Robot.simulate` runs it; there are {}",

@@ -16,7 +16,7 @@ use robot_dynamics::simulation::{
 
 use super::options::{GroundFields, Setup};
 use crate::constraints::options_of;
-use crate::errors::Class;
+use crate::errors::{Class, exception, exception_of};
 use crate::robot::Robot;
 
 impl Setup {
@@ -61,10 +61,7 @@ impl Setup {
         } else {
             correction_of(&self.correction)?;
         }
-        let simulation = py.detach(|| builder.build()).map_err(|error| match error {
-            SimulationError::Input(_) => Class::Simulation.error(py, error),
-            other => PyValueError::new_err(other.to_string()),
-        })?;
+        let simulation = py.detach(|| builder.build()).map_err(exception)?;
         self.warn_of_left_out(py, &simulation)?;
         Ok(simulation)
     }
@@ -116,7 +113,7 @@ fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
     name.parse().map_err(|_| {
         let names: Vec<&str> = Method::names().collect();
         let said = format!("there is no integrator {name:?}; there are {}", names.join(", "));
-        Class::Simulation.error(py, said)
+        Class::SimulationInput.error(py, said)
     })
 }
 
@@ -137,16 +134,17 @@ fn with_ground(
     builder: SimulationBuilder<'static>,
     ground: &GroundFields,
 ) -> PyResult<SimulationBuilder<'static>> {
-    let refused = |error: robot_dynamics::contact::ContactError| PyValueError::new_err(error.to_string());
     match ground {
         GroundFields::Plane(z, slope, friction, restitution) => {
-            let mut plane = Ground::slope(*slope).map_err(refused)?.with_restitution(*restitution);
+            let mut plane = Ground::slope(*slope)
+                .map_err(exception_of::<SimulationError>)?
+                .with_restitution(*restitution);
             (plane.offset, plane.friction) = (z * plane.normal[2], *friction);
             Ok(builder.ground(plane))
         }
         GroundFields::Hills(rows, columns, half_size, heights, position, (friction, restitution)) => {
-            let mut field =
-                HeightField::new(*rows, *columns, *half_size, heights.clone()).map_err(refused)?;
+            let mut field = HeightField::new(*rows, *columns, *half_size, heights.clone())
+                .map_err(exception_of::<SimulationError>)?;
             (field.world_from_field, field.friction) = (Pose::from_translation(*position), *friction);
             Ok(builder.height_field(field.with_restitution(*restitution)))
         }
@@ -185,7 +183,7 @@ pub(crate) fn controls_of(
 
 /// The exception of a step that failed. Its cause is the exception that Python itself had raised, if any.
 pub(super) fn failed_step(py: Python<'_>, error: &RunError) -> PyErr {
-    let raised = Class::Simulation.error(py, error);
+    let raised = Class::of(error).error(py, error);
     if let RunError::Controller { source: ControllerError::Callback(callback), .. } = error
         && let Some(own) = CallbackError::downcast_ref::<PyErr>(callback)
     {

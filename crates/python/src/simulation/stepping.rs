@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, Snapshot as Kept};
+use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, SimulationError, Snapshot as Kept};
 
 use super::energy_account::{energy_account_of, losses_of};
 use super::options::Setup;
 use super::setup::{controls_of, failed_step};
-use crate::errors::Class;
+use crate::errors::{exception, exception_of};
 use crate::numbers::{array, configuration, shaped, vector, vector_or_zeros};
 use crate::robot::Robot;
 use crate::row::reference_frame_of;
@@ -195,14 +195,13 @@ impl Simulation {
     /// See `apply_wrench`.
     fn _apply_wrench(
         &mut self,
-        py: Python<'_>,
         frame: &Bound<'_, PyAny>,
         force: [f64; 3],
         moment: [f64; 3],
         axes: &str,
     ) -> PyResult<()> {
         let axes = reference_frame_of("axes", axes)?;
-        let frame = self.robot.get().frame_of(py, frame)?;
+        let frame = self.robot.get().frame_of(frame)?;
         self.wrenches.push(AppliedWrench { frame, axes, force, moment });
         self.stepped.set_wrenches(&self.wrenches);
         Ok(())
@@ -223,16 +222,15 @@ impl Simulation {
         pose: Option<&str>,
     ) -> PyResult<()> {
         let robot = self.robot.get();
-        let refused = |error: &dyn std::fmt::Display| Class::Simulation.error(py, error);
         if let Some(pose) = pose {
-            self.stepped.reset_to(pose).map_err(|error| refused(&error))?;
+            self.stepped.reset_to(pose).map_err(exception)?;
         } else {
             let q = match q {
                 Some(q) => configuration(py, robot, q)?,
                 None => robot.model.initial_configuration(),
             };
             let v = vector_or_zeros(py, robot, "v", v)?;
-            self.stepped.reset(&q, &v).map_err(|error| refused(&error))?;
+            self.stepped.reset(&q, &v).map_err(exception)?;
         }
         self.wrenches.clear();
         Ok(())
@@ -257,7 +255,7 @@ impl Simulation {
     ///     The state violates the constraints, or the simulation cannot start there.
     fn set_state(&mut self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
         let (q, v) = (configuration(py, self.robot.get(), q)?, vector(py, self.robot.get(), "v", v)?);
-        self.stepped.set_state(&q, &v).map_err(|error| Class::Simulation.error(py, error))
+        self.stepped.set_state(&q, &v).map_err(exception)
     }
 
     /// Takes steps; an interrupt ends them between two steps.
@@ -294,7 +292,7 @@ impl Simulation {
     /// SimulationError
     ///     `duration` is invalid, or a step fails.
     fn run_for(&mut self, py: Python<'_>, duration: f64) -> PyResult<()> {
-        let steps = self.stepped.steps_in(duration).map_err(|error| Class::Simulation.error(py, error))?;
+        let steps = self.stepped.steps_in(duration).map_err(exception_of::<SimulationError>)?;
         self.step(py, steps)
     }
 
