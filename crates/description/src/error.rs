@@ -10,8 +10,9 @@ fn plural(sort: &str) -> String {
     if let Some(stem) = sort.strip_suffix('y') { format!("{stem}ies") } else { format!("{sort}s") }
 }
 
-/// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid, or cannot be changed or written as
-/// requested: the error of `Model::new`, `JointMap::new`, the edits of descriptions and scenes, and the writers.
+/// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid, or cannot be changed or
+/// written as requested: the error of `Model::new`, `JointMap::new`, the edits of descriptions and scenes,
+/// and the writers.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "EditError")]
@@ -186,7 +187,8 @@ impl Classified for ModelError {
     }
 }
 
-/// The error of a name that does not exist, with the most similar name. `sort` is the sort of the named object.
+/// The error of a name that does not exist, with the most similar name. `sort` is the sort of the named
+/// object.
 ///
 /// ```
 /// use robot_dynamics_description::unknown_name;

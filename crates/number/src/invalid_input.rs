@@ -117,7 +117,8 @@ impl InvalidInput {
         Self::new(quantity, InputProblem::OutOfRange { value, unit, requirement: requirement.into() })
     }
 
-    /// The error of an argument that does not meet a requirement. `requirement` follows its name in the message.
+    /// The error of an argument that does not meet a requirement. `requirement` follows its name in the
+    /// message.
     ///
     /// ```
     /// use robot_dynamics_number::InvalidInput;

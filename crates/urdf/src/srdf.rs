@@ -30,8 +30,8 @@ const DEPTH_LIMIT: usize = 200;
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] with one error if the text is not SRDF, or if a pair lacks a link. Names of unknown links are returned as
-/// written.
+/// [`LoadError`] with one error if the text is not SRDF, or if a pair lacks a link. Names of unknown links
+/// are returned as written.
 #[doc(alias = "SrdfError")]
 pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, String)>, LoadError> {
     let read = robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, _| {

@@ -9,8 +9,8 @@ use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DlqrError {
-    /// A matrix has no entries, the wrong shape, or an entry that is not finite; Q or R is not symmetric, R not
-    /// positive definite, or Q not positive semidefinite.
+    /// A matrix has no entries, the wrong shape, or an entry that is not finite; Q or R is not symmetric, R
+    /// not positive definite, or Q not positive semidefinite.
     Input(InvalidInput),
     /// A mode of A does not decay and no force acts on it: (A, B) is not stabilizable.
     NotStabilizable {

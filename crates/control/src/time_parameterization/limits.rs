@@ -81,8 +81,9 @@ impl MotionLimits {
 #[non_exhaustive]
 #[doc(alias = "SplineError")]
 pub enum ParameterizationError {
-    /// There are fewer than two waypoints, two equal ones follow each other, or they have different lengths. A
-    /// number of a waypoint, the path or a requested speed is not finite, or a limit is not positive.
+    /// There are fewer than two waypoints, two equal ones follow each other, or they have different
+    /// lengths. A number of a waypoint, the path or a requested speed is not finite, or a limit is not
+    /// positive.
     #[error(transparent)]
     Input(#[from] InvalidInput),
     /// The path exceeds the position limits.

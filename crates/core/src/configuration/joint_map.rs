@@ -66,9 +66,10 @@ impl JointMap {
     /// Masses and gravity are not compared: a load attached to only one of the two is not an error.
     ///
     /// # Errors
-    /// [`ModelError::Input`] for an invalid reference, or a moving joint of the reduced model that is absent
-    /// from the full one; [`ModelError::NotReduced`] for a joint that moves differently there, or is locked
-    /// more than 1e-9 off the reference.
+    /// - [`ModelError::Input`] for an invalid reference, or for a moving joint of the reduced model that is
+    ///   absent from the full one.
+    /// - [`ModelError::NotReduced`] for a joint that moves differently in the full model, or is locked more
+    ///   than 1e-9 off the reference.
     pub fn new(full: &Model, reduced: &Model, reference: &[f64]) -> Result<Self, ModelError> {
         check_configuration(full, reference).map_err(|error| {
             let quantity = format!("the reference: {}", error.quantity);

@@ -8,7 +8,8 @@ use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InertiaError {
-    /// A number is not finite, a mass, a density or a length is not positive, or a composite body has no parts.
+    /// A number is not finite, a mass, a density or a length is not positive, or a composite body has no
+    /// parts.
     Input(InvalidInput),
     /// The inertia matrix is not symmetric.
     NotSymmetric {

@@ -32,8 +32,9 @@ impl core::fmt::Display for NamedDependentRow {
 #[doc(alias = "ConstraintSetError")]
 #[doc(alias = "ConstrainedMotionError")]
 pub enum ConstraintError {
-    /// A vector has a number that is not finite, or an option, a tolerance, a radius, a coefficient, a support,
-    /// the weight of the forces or the step is out of its range. The robot has no frame or coordinate of a name.
+    /// A vector has a number that is not finite, or an option, a tolerance, a radius, a coefficient, a
+    /// support, the weight of the forces or the step is out of its range. The robot has no frame or
+    /// coordinate of a name.
     #[error(transparent)]
     Input(#[from] InvalidInput),
     /// A frame of another model.

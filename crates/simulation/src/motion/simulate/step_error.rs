@@ -9,7 +9,8 @@ use super::CallbackError;
 use crate::equality::error::ConstraintError;
 use crate::motion::integrate::explicit::explicit_names;
 
-/// An error of a step by any method, of its derivatives, and of the pullback of a step or a rollout. A run adds the time and the coordinate: [`RunError`](crate::RunError).
+/// An error of a step by any method, of its derivatives, and of the pullback of a step or a rollout. A run
+/// adds the time and the coordinate: [`RunError`](crate::RunError).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 #[doc(alias = "MethodError")]
