@@ -7,6 +7,7 @@
 //! A state that becomes invalid is listed and gets NaN; all others are valid. The bits do not depend on the
 //! number of threads.
 
+mod bad_rows;
 mod error;
 mod job;
 #[cfg(feature = "native")]

@@ -7,6 +7,7 @@ use robot_dynamics_native::Kernel;
 use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
+use super::bad_rows::{bad_rows, spoil};
 use super::job::Job;
 use super::outcome::StateOutcomes;
 use super::progress::SharedProgress;
@@ -84,21 +85,6 @@ impl<'m, T: Float + Number> JobNumbers<'m, T> {
         core::mem::swap(&mut self.q, &mut self.q_end);
         core::mem::swap(&mut self.v, &mut self.v_end);
     }
-
-    /// A bit for each state that is not finite; all its numbers become NaN.
-    fn mark_bad(&mut self, model: &Model, states: usize) -> u32 {
-        let (nq, nv) = (model.nq, model.nv);
-        let mut bad = 0;
-        for state in 0..states {
-            let (q, v) = (&mut self.q[state * nq..][..nq], &mut self.v[state * nv..][..nv]);
-            if !q.iter().chain(&*v).copied().all(Float::is_finite) {
-                bad |= 1 << state;
-                q.fill(T::from_f64(f64::NAN));
-                v.fill(T::from_f64(f64::NAN));
-            }
-        }
-        bad
-    }
 }
 
 impl<T: Float + Number> KernelSteps<'_, T> {
@@ -111,6 +97,7 @@ impl<T: Float + Number> KernelSteps<'_, T> {
     ) -> (u32, bool) {
         let Self { kernel, model, rollout, torques, .. } = self;
         let (nv, states) = (model.nv, job.states);
+        let way = (*model, *rollout, self.stages);
         let ThreadMemory { block, native } = memory;
         let mut numbers = JobNumbers::of(native, model, states, kernel.scratch_len());
         numbers.q.copy_from_slice(job.q);
@@ -129,13 +116,18 @@ impl<T: Float + Number> KernelSteps<'_, T> {
                 }
             }
             self.set_torques(job, done, &mut numbers);
-            self.step(block, states, &mut numbers);
+            let JobNumbers { q, v, q_end, v_end, tau, h, scratch } = &mut numbers;
+            kernel_step(kernel, way, block, states, [q, v, tau, h], (q_end, v_end), scratch);
             numbers.advance();
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
                 self.record_sample(job, (done + 1) / rollout.stride - 1, &numbers);
             }
         }
-        let bad = numbers.mark_bad(model, states);
+        let bad = bad_rows(&[numbers.q, numbers.v], states);
+        if bad != 0 {
+            spoil(bad, numbers.q, states);
+            spoil(bad, numbers.v, states);
+        }
         job.q.copy_from_slice(numbers.q);
         job.v.copy_from_slice(numbers.v);
         shared.go_on((states * (rollout.steps - looked)) as u64);
@@ -161,23 +153,6 @@ impl<T: Float + Number> KernelSteps<'_, T> {
         }
     }
 
-    /// Takes one step of all states. States with an angle outside the range of the kernel's sine use the
-    /// recursion.
-    fn step(&self, block: &mut BlockMemory, states: usize, numbers: &mut JobNumbers<'_, T>) {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        let JobNumbers { q, v, q_end, v_end, tau, h, scratch } = numbers;
-        let mut far = Vec::new();
-        let results = &mut [&mut **q_end, &mut **v_end];
-        self.kernel.call_rows(states, &[q, v, tau, h], results, scratch, |state| far.push(state));
-        for state in far {
-            let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
-            q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
-            v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
-            let way = (self.model, self.rollout, self.stages);
-            step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
-        }
-    }
-
     /// Copies all states to sample `sample` of the trajectories.
     fn record_sample(&self, job: &mut Job<'_, T>, sample: usize, numbers: &JobNumbers<'_, T>) {
         let (nq, nv, samples) = (self.model.nq, self.model.nv, self.rollout.samples());
@@ -189,8 +164,31 @@ impl<T: Float + Number> KernelSteps<'_, T> {
     }
 }
 
+/// Takes one step of some states from (q, v) to `end`. States with an angle outside the range of the kernel's
+/// sine use the recursion.
+pub(super) fn kernel_step<T: Float + Number>(
+    kernel: &Kernel<T>,
+    way: (&Model, &Rollout, &[Stage]),
+    block: &mut BlockMemory,
+    states: usize,
+    [q, v, tau, h]: [&[T]; 4],
+    (q_end, v_end): (&mut [T], &mut [T]),
+    scratch: &mut [T],
+) {
+    let (nq, nv) = (way.0.nq, way.0.nv);
+    let mut far = Vec::new();
+    let results = &mut [&mut *q_end, &mut *v_end];
+    kernel.call_rows(states, &[q, v, tau, h], results, scratch, |state| far.push(state));
+    for state in far {
+        let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
+        q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
+        v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
+        step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
+    }
+}
+
 /// One step of one state with an angle outside the range of the code's sine.
-pub(super) fn step_by_recursion<T: Float>(
+fn step_by_recursion<T: Float>(
     (model, rollout, stages): (&Model, &Rollout, &[Stage]),
     block: &mut BlockMemory,
     tau: &[T],

@@ -1,7 +1,6 @@
 //! The pullback of rollouts of batches.
 
 mod backward_pass;
-mod bad_rows;
 mod inputs;
 #[cfg(feature = "native")]
 mod machine_code;

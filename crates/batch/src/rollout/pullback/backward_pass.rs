@@ -10,13 +10,13 @@ use robot_dynamics_simulation::Rollout;
 use robot_dynamics_simulation::motion::pullback::checkpoints::{RolloutInputs, memory_size, pull_back};
 use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, Cotangents, PullbackPoint};
 
-use super::bad_rows::spoil;
 use super::inputs::RolloutPullbackInputs;
 use crate::block::{
     Block, BlockStorage, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::computation::pullback::{ForwardPullback, pull_forward};
 use crate::computation::recursions::accelerate;
+use crate::rollout::bad_rows::spoil;
 use crate::rollout::progress::SharedProgress;
 use crate::rollout::torques::Torques;
 

@@ -8,10 +8,10 @@ use robot_dynamics_number::Float;
 use robot_dynamics_simulation::{Rollout, TrajectoryCotangents};
 
 use super::backward_pass::Backward;
-use super::bad_rows::spoil;
 use super::inputs::RolloutPullbackInputs;
 use crate::distribution::for_each_part;
-use crate::rollout::machine_code::step_by_recursion;
+use crate::rollout::bad_rows::{bad_rows, spoil};
+use crate::rollout::machine_code::kernel_step;
 use crate::rollout::outcome::StateOutcomes;
 use crate::rollout::progress::SharedProgress;
 use crate::rollout::torques::Torques;
@@ -72,7 +72,7 @@ struct RolloutPullbackTables<'a, T> {
     /// q and v of all states: at every `spacing`-th step, at each step of one segment between checkpoints,
     /// and after a step.
     checkpoints: &'a mut [T],
-    stretch: &'a mut [T],
+    segment: &'a mut [T],
     end: &'a mut [T],
     tau: &'a mut [T],
     /// The length of the step.
@@ -99,7 +99,7 @@ impl<'a, T: Float + Number> RolloutPullbackTables<'a, T> {
         let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
         Self {
             checkpoints: take(of_checkpoints),
-            stretch: take(spacing * of_state),
+            segment: take(spacing * of_state),
             end: take(of_state),
             tau: take(nv),
             steps: take(states),
@@ -129,33 +129,33 @@ impl<T: Float + Number> KernelPasses<'_, T> {
         let of_state = of_q + of_v;
         let q = &given.q[first * model.nq..][..of_q];
         let v = &given.v[first * model.nv..][..of_v];
-        memory.stretch[..of_q].copy_from_slice(q);
-        memory.stretch[of_q..of_state].copy_from_slice(v);
+        memory.segment[..of_q].copy_from_slice(q);
+        memory.segment[of_q..of_state].copy_from_slice(v);
         memory.steps.fill(T::from_f64(rollout.step));
         memory.by_position.copy_from_slice(by_position);
         memory.by_velocity.copy_from_slice(by_velocity);
         memory.by_held_force.fill(T::zero());
         let mut bad = bad_rows(&[q, v, by_position, by_velocity], states);
         // Forward: the first state of each segment.
-        let coordinate_ranges = rollout.steps.div_ceil(spacing);
-        for stretch in 0..coordinate_ranges {
-            let of_checkpoint = stretch * of_state..(stretch + 1) * of_state;
-            memory.checkpoints[of_checkpoint].copy_from_slice(&memory.stretch[..of_state]);
-            if stretch + 1 < coordinate_ranges {
-                for step in stretch * spacing..(stretch + 1) * spacing {
+        let segments = rollout.steps.div_ceil(spacing);
+        for segment in 0..segments {
+            let of_checkpoint = segment * of_state..(segment + 1) * of_state;
+            memory.checkpoints[of_checkpoint].copy_from_slice(&memory.segment[..of_state]);
+            if segment + 1 < segments {
+                for step in segment * spacing..(segment + 1) * spacing {
                     self.advance(block, memory, 0, step);
-                    memory.stretch[..of_state].copy_from_slice(memory.end);
+                    memory.segment[..of_state].copy_from_slice(memory.end);
                 }
             }
         }
-        for stretch in (0..coordinate_ranges).rev() {
-            let start = stretch * spacing;
+        for segment in (0..segments).rev() {
+            let start = segment * spacing;
             let count = spacing.min(rollout.steps - start);
-            let of_checkpoint = stretch * of_state..(stretch + 1) * of_state;
-            memory.stretch[..of_state].copy_from_slice(&memory.checkpoints[of_checkpoint]);
+            let of_checkpoint = segment * of_state..(segment + 1) * of_state;
+            memory.segment[..of_state].copy_from_slice(&memory.checkpoints[of_checkpoint]);
             for k in 1..count {
                 self.advance(block, memory, k - 1, start + k - 1);
-                memory.stretch[k * of_state..(k + 1) * of_state].copy_from_slice(memory.end);
+                memory.segment[k * of_state..(k + 1) * of_state].copy_from_slice(memory.end);
             }
             for k in (0..count).rev() {
                 bad |= self.step_back(block, memory, k, start + k);
@@ -220,20 +220,12 @@ impl<T: Float + Number> KernelPasses<'_, T> {
     ) {
         let Self { model, rollout, stages, states, .. } = *self;
         let (nq, nv) = (model.nq, model.nv);
-        let RolloutPullbackTables { stretch, end, tau, steps, scratch, .. } = memory;
+        let RolloutPullbackTables { segment, end, tau, steps, scratch, .. } = memory;
         self.torque(step, tau);
-        let (q, v) = stretch[k * states * (nq + nv)..][..states * (nq + nv)].split_at(states * nq);
+        let (q, v) = segment[k * states * (nq + nv)..][..states * (nq + nv)].split_at(states * nq);
         let (q_end, v_end) = end.split_at_mut(states * nq);
-        let mut far = Vec::new();
-        let results = &mut [&mut *q_end, &mut *v_end];
-        self.step.call_rows(states, &[q, v, tau, steps], results, scratch, |state| far.push(state));
-        for state in far {
-            let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
-            q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
-            v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
-            let way = (model, rollout, stages);
-            step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
-        }
+        let way = (model, rollout, stages);
+        kernel_step(self.step, way, block, states, [q, v, tau, steps], (q_end, v_end), scratch);
     }
 
     /// The pullback of the step from the k-th states of the segment; returns a bit for each state whose
@@ -248,7 +240,7 @@ impl<T: Float + Number> KernelPasses<'_, T> {
         let Self { model, rollout, states, .. } = *self;
         let (nq, nv) = (model.nq, model.nv);
         let RolloutPullbackTables {
-            stretch,
+            segment,
             tau,
             steps,
             cotangents,
@@ -267,7 +259,7 @@ impl<T: Float + Number> KernelPasses<'_, T> {
             row[..nv].copy_from_slice(of_q);
             row[nv..].copy_from_slice(of_v);
         }
-        let (q, v) = stretch[k * states * (nq + nv)..][..states * (nq + nv)].split_at(states * nq);
+        let (q, v) = segment[k * states * (nq + nv)..][..states * (nq + nv)].split_at(states * nq);
         let mut far = Vec::new();
         let results = &mut [&mut **by_position, &mut **by_velocity, &mut **by_force];
         let arguments = &[q, v, tau, steps, cotangents];
@@ -325,15 +317,4 @@ impl<T: Float + Number> KernelPasses<'_, T> {
             Backward { model, rollout, stages, given, first: 0, states: 1, results, shared, outputs };
         block::run(block, backward);
     }
-}
-
-/// A bit for each state with a number in one of the tables that is not finite.
-fn bad_rows<T: Float>(tables: &[&[T]], states: usize) -> u32 {
-    let is_bad = |&state: &usize| {
-        tables.iter().any(|table| {
-            let width = table.len() / states;
-            !table[state * width..(state + 1) * width].iter().all(|x| x.is_finite())
-        })
-    };
-    (0..states).filter(is_bad).fold(0, |bits, state| bits | 1 << state)
 }

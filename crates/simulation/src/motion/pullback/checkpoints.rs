@@ -29,7 +29,7 @@ struct RolloutPullbackMemory<'a, S> {
     stages: &'a mut [S],
     /// The states (q, v) at every `spacing`-th step, and those of one segment between two checkpoints.
     checkpoints: &'a mut [S],
-    stretch: &'a mut [S],
+    segment: &'a mut [S],
     /// v̇ of all stages of each step in the segment.
     accelerations: &'a mut [S],
     tau: &'a mut [S],
@@ -67,32 +67,32 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
     let mut memory = RolloutPullbackMemory {
         stages: take(PullbackMemory::<S>::size(model, stages.len())),
         checkpoints: take(steps.div_ceil(spacing) * state),
-        stretch: take(spacing * state),
+        segment: take(spacing * state),
         accelerations: take(spacing * stages.len() * nv),
         tau: take(nv),
         scratch: [take(nv), take(nv), take(nv)],
         by_force: take(nv),
     };
-    let (first_q, first_v) = memory.stretch[..state].split_at_mut(model.nq);
+    let (first_q, first_v) = memory.segment[..state].split_at_mut(model.nq);
     first_q.copy_from_slice(q);
     first_v.copy_from_slice(v);
     let mut way = RolloutSetup { model, rollout, stages, h, accelerations };
     // Forward: the first state of each segment.
-    let coordinate_ranges = steps.div_ceil(spacing);
-    for stretch in 0..coordinate_ranges {
-        let RolloutPullbackMemory { checkpoints, stretch: states, .. } = &mut memory;
-        checkpoints[stretch * state..(stretch + 1) * state].copy_from_slice(&states[..state]);
-        if stretch + 1 < coordinate_ranges {
-            for step in stretch * spacing..(stretch + 1) * spacing {
+    let segments = steps.div_ceil(spacing);
+    for segment in 0..segments {
+        let RolloutPullbackMemory { checkpoints, segment: states, .. } = &mut memory;
+        checkpoints[segment * state..(segment + 1) * state].copy_from_slice(&states[..state]);
+        if segment + 1 < segments {
+            for step in segment * spacing..(segment + 1) * spacing {
                 way.advance(course, &mut memory, (0, 0), step);
             }
         }
     }
-    for stretch in (0..coordinate_ranges).rev() {
-        let first = stretch * spacing;
+    for segment in (0..segments).rev() {
+        let first = segment * spacing;
         let count = spacing.min(steps - first);
-        let RolloutPullbackMemory { checkpoints, stretch: states, .. } = &mut memory;
-        states[..state].copy_from_slice(&checkpoints[stretch * state..(stretch + 1) * state]);
+        let RolloutPullbackMemory { checkpoints, segment: states, .. } = &mut memory;
+        states[..state].copy_from_slice(&checkpoints[segment * state..(segment + 1) * state]);
         for k in 1..count {
             way.advance(course, &mut memory, (k - 1, k), first + k - 1);
         }
@@ -131,7 +131,7 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
         step: usize,
     ) {
         let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
-        let RolloutPullbackMemory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } =
+        let RolloutPullbackMemory { stages: numbers, segment, accelerations, tau, scratch, by_force, .. } =
             memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
@@ -147,9 +147,9 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
             parameters: &mut [],
         };
         let mut numbers = StageMemory::new(model, self.stages.len(), numbers);
-        let at = stretch[from * state..(from + 1) * state].split_at(nq);
+        let at = segment[from * state..(from + 1) * state].split_at(nq);
         let Ok(()) = explicit_step(model, self.stages, &mut held, self.h, &mut numbers, at);
-        let (q, v) = stretch[to * state..(to + 1) * state].split_at_mut(nq);
+        let (q, v) = segment[to * state..(to + 1) * state].split_at_mut(nq);
         q.copy_from_slice(numbers.q);
         v.copy_from_slice(numbers.v);
         let own = numbers.accelerations.len();
@@ -168,11 +168,11 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
         parameters: &mut [S],
     ) {
         let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
-        let RolloutPullbackMemory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } =
+        let RolloutPullbackMemory { stages: numbers, segment, accelerations, tau, scratch, by_force, .. } =
             memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
-        let (q, v) = stretch[k * state..(k + 1) * state].split_at(nq);
+        let (q, v) = segment[k * state..(k + 1) * state].split_at(nq);
         let (by_q, by_v) = cotangents;
         let (at, h) = ([q, v, &**tau], self.h);
         if parameters.is_empty()
