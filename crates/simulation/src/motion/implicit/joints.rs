@@ -110,64 +110,73 @@ impl Joints {
             tendons: Vec::new(),
             tendon_numbers: Vec::new(),
         };
+        joints.add_passive_forces(model);
+        joints.add_joint_stops(model);
+        joints.add_tendons(model);
+        joints.add_ball_stops(model);
+        joints.friction.resize(joints.rows.len(), 0.0);
+        joints.all_friction.resize(joints.rows.len(), 0.0);
+        joints
+    }
+
+    /// Adds the damping, friction and springs of the joints, and of their mimic joints, to each coordinate.
+    fn add_passive_forces(&mut self, model: &Model) {
         for dof in &model.dofs {
             let (k, square, passive) = (dof.coordinate, dof.ratio * dof.ratio, &dof.passive);
-            joints.all_damping[k] += square * passive.damping;
-            joints.all_friction[k] += dof.ratio.abs() * passive.friction.max(0.0);
-            joints.stiffness[k] += square * passive.stiffness;
+            self.all_damping[k] += square * passive.damping;
+            self.all_friction[k] += dof.ratio.abs() * passive.friction.max(0.0);
+            self.stiffness[k] += square * passive.stiffness;
         }
-        joints.adds_energy = joints.all_damping.iter().any(|damping| *damping < 0.0);
-        joints.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
-        for stretch in coordinate_ranges(model).filter(|stretch| stretch.chart == Chart::Line) {
-            let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
-            for dof in model.dofs.iter().filter(|dof| dof.coordinate == stretch.v) {
-                let limits = &model.joints[dof.joint].limits;
-                if dof.ratio == 0.0 || limits.lower > limits.upper {
-                    continue;
-                }
-                let ends = [limits.lower, limits.upper].map(|end| (end - dof.offset) / dof.ratio);
-                lower = lower.max(ends[0].min(ends[1]));
-                upper = upper.min(ends[0].max(ends[1]));
-            }
+        self.adds_energy = self.all_damping.iter().any(|damping| *damping < 0.0);
+        self.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
+    }
+
+    /// Adds the stops of joints with one coordinate.
+    fn add_joint_stops(&mut self, model: &Model) {
+        for range in coordinate_ranges(model).filter(|range| range.chart == Chart::Line) {
+            let (lower, upper) = limits_of(model, range.v);
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
                 if bound.is_finite() {
-                    let length = Length::Coordinate(stretch.q);
-                    joints.stops.push(Stop { row: stretch.v, length, bound, sign });
-                    joints.is_bounded[stretch.v] = true;
+                    self.stops.push(Stop { row: range.v, length: Length::Coordinate(range.q), bound, sign });
+                    self.is_bounded[range.v] = true;
                 }
             }
         }
+    }
+
+    /// Adds the rows of tendons with bounds or friction, and their stops.
+    fn add_tendons(&mut self, model: &Model) {
         for (number, tendon) in model.description().tendons.iter().enumerate() {
             let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
             let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
             let sum = JointSum::new(model, tendon.offset, terms);
-            let row = sum.row();
+            let (row, terms) = (self.rows.len(), sum.row());
             let is_bounded = (lower.is_finite() || upper.is_finite()) && lower <= upper;
             let friction = tendon.passive.friction.max(0.0);
-            if row.is_empty() || !(is_bounded || friction > 0.0) {
+            if terms.is_empty() || !(is_bounded || friction > 0.0) {
                 continue;
             }
-            joints.tendons.push((joints.rows.len(), friction));
-            joints.tendon_numbers.push(number);
+            self.tendons.push((row, friction));
+            self.tendon_numbers.push(number);
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
                 if is_bounded && bound.is_finite() {
-                    let length = Length::Tendon(sum.clone());
-                    joints.stops.push(Stop { row: joints.rows.len(), length, bound, sign });
+                    self.stops.push(Stop { row, length: Length::Tendon(sum.clone()), bound, sign });
                 }
             }
-            joints.rows.push(row);
+            self.rows.push(terms);
         }
+    }
+
+    /// Adds the rows of ball joints with a limit of their angle, and their stops.
+    fn add_ball_stops(&mut self, model: &Model) {
         for joint in model.joints.iter().filter(|joint| joint.kind == JointKind::Spherical) {
             let bound = joint.limits.turn;
             if bound.is_finite() {
-                let (row, length) = (joints.rows.len(), Length::Turn(joint.q_index));
-                joints.stops.push(Stop { row, length, bound, sign: -1.0 });
-                joints.rows.push((0..3).map(|k| (joint.v_index + k, 0.0)).collect());
+                let (row, length) = (self.rows.len(), Length::Turn(joint.q_index));
+                self.stops.push(Stop { row, length, bound, sign: -1.0 });
+                self.rows.push((0..3).map(|k| (joint.v_index + k, 0.0)).collect());
             }
         }
-        joints.friction.resize(joints.rows.len(), 0.0);
-        joints.all_friction.resize(joints.rows.len(), 0.0);
-        joints
     }
 
     /// Adds the stiffness and damping of servos and tendons, and the tendons' dry friction.
@@ -238,5 +247,38 @@ impl Joints {
 
     pub(super) fn has_stops(&self) -> bool {
         !self.stops.is_empty()
+    }
+}
+
+/// The limits of a coordinate that satisfy those of its joint and of its mimic joints.
+fn limits_of(model: &Model, coordinate: usize) -> (f64, f64) {
+    let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+    for dof in model.dofs.iter().filter(|dof| dof.coordinate == coordinate) {
+        let limits = &model.joints[dof.joint].limits;
+        if dof.ratio == 0.0 || limits.lower > limits.upper {
+            continue;
+        }
+        let ends = [limits.lower, limits.upper].map(|end| (end - dof.offset) / dof.ratio);
+        lower = lower.max(ends[0].min(ends[1]));
+        upper = upper.min(ends[0].max(ends[1]));
+    }
+    (lower, upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_dynamics_core::Model;
+    use robot_dynamics_description::Mimic;
+
+    use super::super::test_robot::arm;
+    use super::limits_of;
+
+    /// The elbow turns by ½ − 2q and is limited to 0 ≤ ½ − 2q ≤ 3, the shoulder to −3 ≤ q ≤ 0.
+    #[test]
+    fn limits_of_mimic_joints_bound_their_leader() {
+        let mut robot = arm().description().clone();
+        robot.joints[1] = robot.joints[1].clone().with_mimic(Mimic::new("shoulder", -2.0, 0.5));
+        let model = Model::new(robot).unwrap();
+        assert_eq!(limits_of(&model, 0), (-1.25, 0.0));
     }
 }
