@@ -94,30 +94,9 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     check_length("B", by_force.len(), 2 * nv * nv);
     let mut mass = vec![0.0; nv * nv];
     mass_matrix(model, workspace.dynamics(), q, &mut mass);
-    let (mut q0, mut v0, mut tau) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
-    let mut way = vec![0.0; nv];
-    // The end of the step from the state, perturbed by `by` in the given column.
-    let mut stepped = |stepper: &mut S, column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), StepError> {
-        let (part, k) = (column / nv, column % nv);
-        way.fill(0.0);
-        way[k] = if part == 0 { by } else { 0.0 };
-        integrate(model, q, &way, &mut q0);
-        v0.copy_from_slice(v);
-        v0[k] += if part == 1 { by } else { 0.0 };
-        tau.copy_from_slice(forces.tau);
-        tau[k] += if part == 2 { by } else { 0.0 };
-        let forces = StepForces::new(&tau, forces.dissipation);
-        stepper.step(model, workspace, &forces, h, &mut q0, &mut v0)?;
-        Ok((q0.clone(), v0.clone()))
-    };
-    let change = |(q, v): &(Vec<f64>, Vec<f64>), (q_after, v_after): &(Vec<f64>, Vec<f64>)| -> Vec<f64> {
-        let mut change = vec![0.0; 2 * nv];
-        difference(model, q, q_after, &mut change[..nv]);
-        (0..nv).for_each(|i| change[nv + i] = v_after[i] - v[i]);
-        change
-    };
+    let mut steps = PerturbedSteps::new(model, workspace, forces, h, (q, v));
     let (mut unmoved, mut stepper) = (stepper.clone(), stepper.clone());
-    let middle = stepped(&mut unmoved, 0, 0.0)?;
+    let middle = steps.take(&mut unmoved, 0, 0.0)?;
     // The constraints that act in this step also act in the perturbed steps.
     stepper.fix_active_set(unmoved.active_set());
     for column in 0..3 * nv {
@@ -126,22 +105,8 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         // coordinate moves.
         let inertia = mass[k * nv + k];
         let unit = if column < 2 * nv || inertia <= 0.0 { 1.0 } else { inertia / h };
-        let derivatives = column_of(|by| {
-            let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
-            let (before, after) = (before?, after?);
-            let slope = |mut change: Vec<f64>, by: f64| {
-                for change in &mut change {
-                    *change /= by;
-                }
-                change
-            };
-            Ok(DifferenceQuotients {
-                before: slope(change(&before, &middle), by),
-                after: slope(change(&middle, &after), by),
-                mean: slope(change(&before, &after), 2.0 * by),
-            })
-        })?;
-        let Some(derivatives) = derivatives else {
+        let Some(derivatives) = column_of(|by| steps.quotients(&stepper, &middle, column, (by, unit)))?
+        else {
             let quantity = ["q", "v", "tau"][column / nv];
             let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
             return Err(StepError::Discontinuous { quantity, coordinate });
@@ -154,6 +119,83 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         }
     }
     Ok(())
+}
+
+/// Steps from states near (q, v), and under forces near those given.
+struct PerturbedSteps<'a> {
+    model: &'a Model,
+    workspace: &'a mut StepWorkspace,
+    forces: &'a StepForces<'a>,
+    h: f64,
+    from: (&'a [f64], &'a [f64]),
+    /// The displacement, and the perturbed state and forces.
+    way: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    tau: Vec<f64>,
+}
+
+impl<'a> PerturbedSteps<'a> {
+    fn new(
+        model: &'a Model,
+        workspace: &'a mut StepWorkspace,
+        forces: &'a StepForces<'a>,
+        h: f64,
+        (q, v): (&'a [f64], &'a [f64]),
+    ) -> Self {
+        let zeros = || vec![0.0; model.nv()];
+        let own = vec![0.0; model.nq()];
+        Self { model, workspace, forces, h, from: (q, v), way: zeros(), q: own, v: zeros(), tau: zeros() }
+    }
+
+    /// The end (q₁, v₁) of a step with the entry `column` of (δq, δv, δτ) at `by`.
+    fn take<S: Stepper>(
+        &mut self,
+        stepper: &mut S,
+        column: usize,
+        by: f64,
+    ) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+        let Self { model, workspace, forces, h, from, way, q, v, tau } = self;
+        let (part, k) = (column / model.nv(), column % model.nv());
+        way.fill(0.0);
+        way[k] = if part == 0 { by } else { 0.0 };
+        integrate(model, from.0, way, q);
+        v.copy_from_slice(from.1);
+        v[k] += if part == 1 { by } else { 0.0 };
+        tau.copy_from_slice(forces.tau);
+        tau[k] += if part == 2 { by } else { 0.0 };
+        let forces = StepForces::new(tau, forces.dissipation);
+        stepper.step(model, workspace, &forces, *h, q, v)?;
+        Ok((q.clone(), v.clone()))
+    }
+
+    /// The change (δq, δv) from one state to another, divided by `by`.
+    fn slope(&self, from: &(Vec<f64>, Vec<f64>), to: &(Vec<f64>, Vec<f64>), by: f64) -> Vec<f64> {
+        let nv = self.model.nv();
+        let mut slope = vec![0.0; 2 * nv];
+        difference(self.model, &from.0, &to.0, &mut slope[..nv]);
+        (0..nv).for_each(|i| slope[nv + i] = to.1[i] - from.1[i]);
+        slope.iter_mut().for_each(|slope| *slope /= by);
+        slope
+    }
+
+    /// The difference quotients of a column, with an increment of `by` times the column's unit. `middle` is
+    /// the end of the unperturbed step. Each step starts with a copy of the stepper.
+    fn quotients<S: Stepper + Clone>(
+        &mut self,
+        stepper: &S,
+        middle: &(Vec<f64>, Vec<f64>),
+        column: usize,
+        (by, unit): (f64, f64),
+    ) -> Result<DifferenceQuotients, StepError> {
+        let before = self.take(&mut stepper.clone(), column, -by * unit)?;
+        let after = self.take(&mut stepper.clone(), column, by * unit)?;
+        Ok(DifferenceQuotients {
+            before: self.slope(&before, middle, by),
+            after: self.slope(middle, &after, by),
+            mean: self.slope(&before, &after, 2.0 * by),
+        })
+    }
 }
 
 /// The difference quotients of a column at one increment.
