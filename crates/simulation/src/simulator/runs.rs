@@ -171,16 +171,8 @@ impl Simulation {
             }
             self.begin_step(&run_loop)?;
             let is_last = done == steps || self.run.ended_by_event;
-            let (flow, is_kept) = {
-                let info = self.run.step_info(step - first, &self.memory.tau, &self.stepper);
-                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&info));
-                let is_kept = is_last || flow.is_break() || done == 0;
-                let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
-                if is_kept {
-                    self.run.keep_sample(&self.memory.tau, &self.stepper);
-                }
-                (flow, is_kept)
-            };
+            let kept_by_grid = done == 0 || (sample_every > 0 && done.is_multiple_of(sample_every));
+            let (flow, is_kept) = self.record_instant(step - first, is_last || kept_by_grid, &mut observer);
             if is_last || flow.is_break() {
                 self.run.trajectory.add_to_last_tau(self.stepper.actuator_torques());
                 self.run.interrupted = !is_last;
@@ -207,21 +199,45 @@ impl Simulation {
                 }
                 taken => taken?,
             }
-            let by_actuators = stepper.actuator_torques();
-            if is_kept {
-                run.trajectory.add_to_last_tau(by_actuators);
-            }
-            for (k, peak) in run.peak_torque.iter_mut().enumerate() {
-                *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
-            }
-            let length = if run.ended_by_event { run.time - time } else { self.step };
-            memory.record_acceleration(length);
-            if run.ended_by_event {
-                // Later steps are counted from the event.
-                self.base = (run.steps, run.time);
-            }
-            self.end_step(length);
+            self.finish_step(time, is_kept);
         }
         Ok(())
+    }
+
+    /// Calls the observer at the current instant, and keeps a sample if `must_keep` or if the observer ends
+    /// the run. Returns the observer's answer, and whether a sample was kept.
+    fn record_instant(
+        &mut self,
+        step: usize,
+        must_keep: bool,
+        observer: &mut Option<Observer<'_>>,
+    ) -> (ControlFlow<()>, bool) {
+        let info = self.run.step_info(step, &self.memory.tau, &self.stepper);
+        let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&info));
+        let is_kept = must_keep || flow.is_break();
+        if is_kept {
+            self.run.keep_sample(&self.memory.tau, &self.stepper);
+        }
+        (flow, is_kept)
+    }
+
+    /// Records the torques and the acceleration of the step that started at `time`. `is_kept` states whether
+    /// its start is a sample.
+    fn finish_step(&mut self, time: f64, is_kept: bool) {
+        let Self { stepper, run, memory, .. } = self;
+        let by_actuators = stepper.actuator_torques();
+        if is_kept {
+            run.trajectory.add_to_last_tau(by_actuators);
+        }
+        for (k, peak) in run.peak_torque.iter_mut().enumerate() {
+            *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
+        }
+        let length = if run.ended_by_event { run.time - time } else { self.step };
+        memory.record_acceleration(length);
+        if run.ended_by_event {
+            // Later steps are counted from the event.
+            self.base = (run.steps, run.time);
+        }
+        self.end_step(length);
     }
 }
