@@ -90,10 +90,7 @@ pub fn constrained_forward_dynamics(
     check_computed("τ − C v − g", force.as_slice())?;
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
-    let dependent = factor.dependent_rows(set);
-    if options.redundant == RedundantRows::Refuse && !dependent.is_empty() {
-        return Err(ConstraintError::DependentRows { rank: factor.rank(), rows: dependent });
-    }
+    let dependent = factor.allowed_dependent_rows(set, options)?;
     let target = target(&rows, v, options);
     let Solution { acceleration, mut multipliers, free } =
         solve(&mass, &factor, &rows.matrix, &force, &target);

@@ -11,7 +11,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::check_finite;
 
 use super::rows::ConstraintRows;
-use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
 
 /// M(q) and its factor.
 pub(super) struct MassFactor {
@@ -148,7 +148,7 @@ impl RowFactor {
     }
 
     /// The dependent rows by name.
-    pub(super) fn dependent_rows(&self, set: &ConstraintSet) -> Vec<NamedDependentRow> {
+    fn dependent_rows(&self, set: &ConstraintSet) -> Vec<NamedDependentRow> {
         let name = |&row: &usize| set.row_names()[row].clone();
         let named = |(row, combination): &(usize, Vec<usize>)| NamedDependentRow {
             row: *row,
@@ -156,6 +156,22 @@ impl RowFactor {
             combination_of: combination.iter().map(name).collect(),
         };
         self.dependent.iter().map(named).collect()
+    }
+
+    /// The dependent rows by name.
+    ///
+    /// # Errors
+    /// There are some, and the options refuse them.
+    pub(super) fn allowed_dependent_rows(
+        &self,
+        set: &ConstraintSet,
+        options: &ConstraintOptions,
+    ) -> Result<Vec<NamedDependentRow>, ConstraintError> {
+        let rows = self.dependent_rows(set);
+        if options.redundant == RedundantRows::Refuse && !rows.is_empty() {
+            return Err(ConstraintError::DependentRows { rank: self.rank(), rows });
+        }
+        Ok(rows)
     }
 
     /// The earlier rows with a coefficient in row i = Σ cⱼ row j: Tᵀ c = T row i, by back substitution.

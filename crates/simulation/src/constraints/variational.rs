@@ -21,9 +21,7 @@ use robot_dynamics_core::{Model, SingularMass};
 use robot_dynamics_integrators::IntegratorError;
 
 use super::row_factor::{MassFactor, RowFactor};
-use super::{
-    ConstraintError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift, project_velocity,
-};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet, constraint_drift, project_velocity};
 use crate::motion::integrate::midpoint::{evaluate_middle, place_middle};
 use crate::motion::integrate::rounding::{is_rounding, largest, rounding_scale};
 use crate::motion::integrate::variational::{
@@ -102,10 +100,7 @@ impl IndependentRows {
         let rows = set.rows(model, dynamics, q_start, v);
         let mass = MassFactor::new(model, dynamics, q_start)?;
         let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
-        let dependent = factor.dependent_rows(set);
-        if options.redundant == RedundantRows::Refuse && !dependent.is_empty() {
-            return Err(ConstraintError::DependentRows { rank: factor.rank(), rows: dependent });
-        }
+        factor.allowed_dependent_rows(set, options)?;
         let matrix = rows.matrix.select_rows(&factor.independent);
         Ok(Self { independent: factor.independent, matrix, momentum: p_start.clone() })
     }
