@@ -64,7 +64,7 @@ use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper};
-use crate::motion::step_actuation::{StepActuation, record};
+use crate::motion::step_actuation::{StepActuation, record, stored_energy};
 use crate::{Actuation, ContactLaws, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {
@@ -295,7 +295,7 @@ impl Stepper for ImplicitIntegrator {
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
-        self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q))
+        stored_energy(&mut self.drive, q)
     }
 
     fn losses(&self) -> Option<Losses> {

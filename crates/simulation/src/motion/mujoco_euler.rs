@@ -18,7 +18,7 @@ use robot_dynamics_integrators::{EnergyAccount, IntegratorError, check_computed}
 use crate::contact::Interrupt;
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper, add_passive_gains};
-use crate::motion::step_actuation::{StepActuation, record};
+use crate::motion::step_actuation::{StepActuation, record, stored_energy};
 use crate::{
     ActiveSet, Actuation, SoftConstraints, SoftDynamicsInputs, StateTransition, StepForces, StepWorkspace,
 };
@@ -203,7 +203,7 @@ impl Stepper for MujocoEuler {
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
-        self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q))
+        stored_energy(&mut self.drive, q)
     }
 
     fn losses(&self) -> Option<Losses> {

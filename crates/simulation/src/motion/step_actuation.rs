@@ -99,6 +99,11 @@ impl StepActuation {
     }
 }
 
+/// The energy stored by the springs and the gravity compensation of a robot that may have actuation \[J\].
+pub(crate) fn stored_energy(actuation: &mut Option<StepActuation>, q: &[f64]) -> f64 {
+    actuation.as_mut().map_or(0.0, |actuation| actuation.stored_energy(q))
+}
+
 /// Records a step in the energy account. `last` holds the losses of the scheme; the function adds those of
 /// the drive's dampers to it, and then adds `last` to `losses`.
 pub fn record(

@@ -10,7 +10,7 @@ use super::restoration::copy_positions;
 use super::{ImplicitIntegrator, ImplicitMemory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_account;
-use crate::motion::step_actuation::StepActuation;
+use crate::motion::step_actuation::{StepActuation, stored_energy};
 
 /// The number of repeated searches for penetrations and violated stops, because one correction may cause
 /// others.
@@ -170,8 +170,7 @@ fn total_energy(
     (q, v): (&[f64], &[f64]),
 ) -> f64 {
     let of_motion = energy_account(model, workspace, q, v);
-    let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
-    of_motion.kinetic() + of_motion.potential() + stored
+    of_motion.kinetic() + of_motion.potential() + stored_energy(drive, q)
 }
 
 /// Moves a configuration along a displacement. With several trees, joints with zero displacement keep their

@@ -15,7 +15,7 @@ use super::advance::{ImpactPolicy, PARTS};
 use super::restoration::copy_positions;
 use crate::contact::{Components, ContactImpulses};
 use crate::motion::simulate::Losses;
-use crate::motion::step_actuation::record;
+use crate::motion::step_actuation::{record, stored_energy};
 use crate::{StateTransition, StepForces, StepWorkspace, energy_account};
 
 /// A step in which no coordinate moves further than this needs no check \[rad or m\].
@@ -91,7 +91,7 @@ impl ImplicitIntegrator {
             (from, to) = ((from.0, &v0[..]), (&q1[..], &v1[..]));
         }
         let start = energy_account(model, &mut workspace.dynamics, from.0, from.1);
-        let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(from.0));
+        let stored = stored_energy(drive, from.0);
         let mut energy_account = EnergyAccount::new(start.kinetic(), start.potential() + stored);
         let losses = (&mut last, &mut Losses::default());
         record(model, workspace, &mut energy_account, StateTransition { from, to, forces, h }, drive, losses);
