@@ -9,6 +9,7 @@ mod hold;
 mod loops;
 mod method;
 mod option_values;
+mod plan;
 mod plot;
 mod recorder;
 mod run;
@@ -22,32 +23,24 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo, steps_in};
+use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo};
 use robot_dynamics::text::one_line;
 
 pub(crate) use self::arguments::Arguments;
 use self::csv::OptionalColumns;
-use self::drive::ActuatorControls;
 use self::files::{Files, WrittenFiles};
-use self::ground::Floor;
 use self::hold::Hold;
+use self::plan::RunPlan;
 use self::plot::Plot;
 use self::recorder::Recorder;
 use self::run::RunResult;
 use self::setup::Setup;
-use self::start::Start;
 use self::summary::Summary;
 use crate::failure::{CommandResult, Failure};
 use crate::interruption;
-use crate::joint_values::{JointNumbers, set};
 use crate::output::{print, print_error};
 use crate::robot_file::LoadedRobot;
-use crate::table::short;
-
-/// Largest number of steps, which only a mistyped step exceeds.
-const MAX_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &mut Arguments) -> CommandResult {
     let LoadedRobot { model, report, .. } = arguments.robot.load_to_compute()?;
@@ -91,13 +84,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> CommandResult {
     let summary = Summary {
         arguments,
         model: &model,
-        start: &plan.start,
-        goal: &plan.goal,
+        plan: &plan,
         hold: hold.as_ref(),
-        drive: plan.drive.as_ref(),
-        setup: &plan.setup,
-        loops: plan.loops.as_ref(),
-        floor: plan.floor.as_ref(),
         ran: &ran,
         recorder: &recorder,
         seconds,
@@ -105,44 +93,6 @@ pub(crate) fn run(arguments: &mut Arguments) -> CommandResult {
     };
     print_summary(&summary.text())?;
     outcome(arguments, &ran, &written)
-}
-
-/// The choices for a run, from the arguments and the robot.
-struct RunPlan {
-    steps: usize,
-    setup: Setup,
-    loops: Option<ConstraintSet>,
-    start: Start,
-    floor: Option<Floor>,
-    drive: Option<ActuatorControls>,
-    /// Whether a controller holds the robot at the goal.
-    is_held: bool,
-    goal: Vec<f64>,
-}
-
-impl RunPlan {
-    fn choose(arguments: &Arguments, model: &Model) -> Result<Self, Failure> {
-        if model.nv() == 0 {
-            return Err(Failure::new(format!(
-                "{}: the robot has no degree of freedom to simulate (--floating-base adds six)",
-                arguments.robot.shown()
-            )));
-        }
-        method::check(arguments)?;
-        let steps = steps(arguments)?;
-        let is_held = arguments.hold || !arguments.goal.is_empty();
-        let setup = Setup::choose(arguments, model, is_held)?;
-        let loops = loops::choose(arguments, model, &setup)?;
-        let mut start = Start::choose(model, &arguments.pose, &arguments.velocity, !is_held)?;
-        if let Some(loops) = &loops {
-            loops::close(model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
-        }
-        let floor = Floor::choose(arguments, model, &setup, &mut start)?;
-        let drive = drive::choose(arguments, model, &setup, &start)?;
-        let mut goal = start.q.clone();
-        set(model, "--goal", &arguments.goal, JointNumbers::Configuration, &mut goal)?;
-        Ok(Self { steps, setup, loops, start, floor, drive, is_held, goal })
-    }
 }
 
 /// Opens the files of the results. `read` has the files that the run reads, which must not be overwritten.
@@ -203,20 +153,6 @@ fn outcome(arguments: &Arguments, ran: &RunResult, written: &WrittenFiles) -> Co
         return Ok(interruption::code());
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The whole number of steps that is nearest to the duration, at least one.
-fn steps(arguments: &Arguments) -> Result<usize, Failure> {
-    let steps = arguments.duration / arguments.dt;
-    if steps > MAX_STEPS {
-        let [duration, step, steps] = [arguments.duration, arguments.dt, steps].map(short);
-        return Err(Failure::new(format!(
-            "{duration} s in steps of {step} s are {steps} steps, at most {MAX_STEPS:e} are allowed; take a longer \
-             --dt or a shorter --duration"
-        )));
-    }
-    let nearest = steps_in(arguments.duration, arguments.dt);
-    nearest.map(|steps| steps.max(1)).map_err(|error| Failure::new(error.to_string()))
 }
 
 /// A progress bar, which only a terminal shows.

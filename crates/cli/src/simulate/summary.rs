@@ -2,21 +2,18 @@
 
 use std::fmt::Write;
 
-use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::contact::ContactLaws;
 use robot_dynamics::model::{Model, difference};
 use robot_dynamics::simulation::{AdaptiveMethod, AdaptiveRecord, Effect, Method, Run};
 use robot_dynamics::text::one_line;
 
 use super::arguments::Arguments;
-use super::drive::ActuatorControls;
 use super::files::WrittenFiles;
-use super::ground::{Floor, touching_links};
+use super::ground::touching_links;
 use super::hold::{Hold, driven};
+use super::plan::RunPlan;
 use super::recorder::Recorder;
 use super::run::RunResult;
-use super::setup::Setup;
-use super::start::Start;
 use crate::columns;
 use crate::table::count;
 use crate::table::{Table, short};
@@ -25,13 +22,8 @@ use crate::table::{Table, short};
 pub(crate) struct Summary<'a> {
     pub arguments: &'a Arguments,
     pub model: &'a Model,
-    pub start: &'a Start,
-    pub goal: &'a [f64],
+    pub plan: &'a RunPlan,
     pub hold: Option<&'a Hold<'a>>,
-    pub drive: Option<&'a ActuatorControls>,
-    pub setup: &'a Setup,
-    pub loops: Option<&'a ConstraintSet>,
-    pub floor: Option<&'a Floor>,
     pub ran: &'a RunResult,
     pub recorder: &'a Recorder,
     /// Wall-clock time of the run \[s\].
@@ -54,7 +46,7 @@ impl Summary<'_> {
         if self.hold.is_some() {
             text += &self.torques();
         }
-        if let Some(floor) = self.floor {
+        if let Some(floor) = &self.plan.floor {
             text += &floor.report(self.model, &self.ran.run);
         }
         text += &self.ran.run.contact_laws.map_or_else(String::new, |laws| exhausted_substeps(&laws));
@@ -63,7 +55,7 @@ impl Summary<'_> {
     }
 
     fn conserves(&self) -> bool {
-        self.hold.is_none() && self.setup.conserves()
+        self.hold.is_none() && self.plan.setup.conserves()
     }
 
     fn head(&self) -> String {
@@ -76,7 +68,7 @@ impl Summary<'_> {
             model.nv(),
             short(model.mass())
         );
-        let _ = writeln!(text, "  start   {}", one_line(&self.start.chosen));
+        let _ = writeln!(text, "  start   {}", one_line(&self.plan.start.chosen));
         let motors = match self.hold {
             Some(hold) => {
                 let goal = if arguments.goal.is_empty() { "the initial pose" } else { "the goal" };
@@ -87,33 +79,35 @@ impl Summary<'_> {
                     motors += ", within the effort limits";
                 }
                 if driven(model).contains(&false) {
-                    let falls = if self.floor.is_some() { "" } else { " and falls" };
+                    let falls = if self.plan.floor.is_some() { "" } else { " and falls" };
                     let _ = write!(motors, "; the floating base has no motors{falls}");
                 }
                 motors
             }
-            None => {
-                self.drive.map_or_else(|| "passive, no motor torque".into(), |drive| drive.described.clone())
-            }
+            None => self
+                .plan
+                .drive
+                .as_ref()
+                .map_or_else(|| "passive, no motor torque".into(), |drive| drive.described.clone()),
         };
         let _ = writeln!(text, "  forces  {}; {}", one_line(&motors), self.passive_forces());
-        if let Some(loops) = self.loops {
+        if let Some(loops) = &self.plan.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
             let _ = writeln!(text, "  loops   {}, closed in each step", one_line(&names.join(", ")));
         }
-        if let Some(floor) = self.floor {
+        if let Some(floor) = &self.plan.floor {
             let _ = writeln!(text, "  ground  {}", floor.described);
         }
-        if let Some(links) = touching_links(self.setup) {
+        if let Some(links) = touching_links(&self.plan.setup) {
             let _ = writeln!(text, "  links   {links}");
         }
-        let reason = if self.setup.reason.is_empty() {
+        let reason = if self.plan.setup.reason.is_empty() {
             String::new()
         } else {
-            format!(": {}", one_line(&self.setup.reason))
+            format!(": {}", one_line(&self.plan.setup.reason))
         };
         let _ = writeln!(text, "  method  {}{reason}", self.method());
-        for (k, line) in self.setup.left_out_lines().iter().enumerate() {
+        for (k, line) in self.plan.setup.left_out_lines().iter().enumerate() {
             let _ = writeln!(text, "  {:<7} {}", if k == 0 { "without" } else { "" }, one_line(line));
         }
         text
@@ -131,7 +125,7 @@ impl Summary<'_> {
         ];
         let acting: Vec<&str> = words
             .into_iter()
-            .filter(|(effect, _)| self.setup.acts(*effect))
+            .filter(|(effect, _)| self.plan.setup.acts(*effect))
             .map(|(_, words)| words)
             .collect();
         if acting.is_empty() { "no damping, friction or limits".into() } else { acting.join("; ") }
@@ -139,7 +133,7 @@ impl Summary<'_> {
 
     /// The integrator and its steps.
     fn method(&self) -> String {
-        let (integrator, step, end) = (self.setup.method(), self.arguments.dt, short(self.ran.run.time));
+        let (integrator, step, end) = (self.plan.setup.method(), self.arguments.dt, short(self.ran.run.time));
         let Some(AdaptiveRecord { method, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
@@ -202,7 +196,7 @@ impl Summary<'_> {
                         short(losses.friction),
                         short(losses.stops)
                     );
-                    if self.floor.is_some() {
+                    if self.plan.floor.is_some() {
                         let (sliding, impacts) = (short(losses.sliding), short(losses.impacts));
                         let _ = write!(text, ", sliding {sliding} J, impacts {impacts} J");
                     }
@@ -222,7 +216,7 @@ impl Summary<'_> {
             );
         }
         if relative > 1e-2 {
-            let finer = match self.setup.method() {
+            let finer = match self.plan.setup.method() {
                 Method::Adaptive => "--tolerance",
                 _ => "--dt",
             };
@@ -261,7 +255,7 @@ impl Summary<'_> {
                 table.row(
                     [column.name.clone(), column.unit.into()]
                         .into_iter()
-                        .chain([self.start.q[i], run.q[i], extremes.least, extremes.most].map(short))
+                        .chain([self.plan.start.q[i], run.q[i], extremes.least, extremes.most].map(short))
                         .chain([lower, upper].map(short))
                         .chain(speed)
                         .chain([remarks.join(", ")]),
@@ -269,7 +263,7 @@ impl Summary<'_> {
             }
         }
         let mut text = format!("\n{}", table.text());
-        if self.setup.acts(Effect::Limits) {
+        if self.plan.setup.acts(Effect::Limits) {
             let _ = writeln!(
                 text,
                 "  {} exceeded the speed limit, which is not enforced; position limits are stops",
@@ -333,7 +327,7 @@ impl Summary<'_> {
             ]);
         }
         let mut left = vec![0.0; model.nv()];
-        difference(model, &run.q, self.goal, &mut left);
+        difference(model, &run.q, &self.plan.goal, &mut left);
         let left = left.iter().zip(&is_driven).filter(|(_, driven)| **driven).map(|(x, _)| x.abs());
         let left = left.fold(0.0, f64::max);
         format!(
