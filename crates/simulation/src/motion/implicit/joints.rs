@@ -134,6 +134,10 @@ impl Joints {
     /// Adds the stops of joints with one coordinate.
     fn add_joint_stops(&mut self, model: &Model) {
         for range in coordinate_ranges(model).filter(|range| range.chart == Chart::Line) {
+            // A mimic joint repeats the coordinate of its leader.
+            if self.is_bounded[range.v] {
+                continue;
+            }
             let (lower, upper) = limits_of(model, range.v);
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
                 if bound.is_finite() {
@@ -271,7 +275,7 @@ mod tests {
     use robot_dynamics_description::Mimic;
 
     use super::super::test_robot::arm;
-    use super::limits_of;
+    use super::{Joints, limits_of};
 
     /// The elbow turns by ½ − 2q and is limited to 0 ≤ ½ − 2q ≤ 3, the shoulder to −3 ≤ q ≤ 0.
     #[test]
@@ -280,5 +284,8 @@ mod tests {
         robot.joints[1] = robot.joints[1].clone().with_mimic(Mimic::new("shoulder", -2.0, 0.5));
         let model = Model::new(robot).unwrap();
         assert_eq!(limits_of(&model, 0), (-1.25, 0.0));
+        let stops: Vec<_> =
+            Joints::new(&model).stops.iter().map(|stop| (stop.row, stop.bound, stop.sign)).collect();
+        assert_eq!(stops, [(0, -1.25, 1.0), (0, 0.0, -1.0)]);
     }
 }
