@@ -61,6 +61,7 @@ ARGUMENTS = {
     "strict": "bool",
     "repair_inertia": "bool",
     "package_path": "Sequence[str] | None",
+    "assets": "Sequence[tuple[str, bytes]] | None",
     "confined": "bool",
     "value": "object",
     "full": "Robot",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from robot_dynamics import _native, defaults
 from robot_dynamics.errors import LoadWarning
@@ -79,6 +79,7 @@ def loads(
     strict: bool = False,
     repair_inertia: bool = False,
     package_path: Sequence[str | os.PathLike[str]] = (),
+    assets: Mapping[str, bytes | str] | None = None,
 ) -> Robot:
     """Load a robot from the text of a file; see `load`.
 
@@ -95,6 +96,9 @@ def loads(
     package_path : sequence of path
         Folders that are searched for `package://NAME/…`: packages, or folders that contain packages. Without
         them the meshes of a text are not located.
+    assets : mapping from str to bytes or str, optional
+        Contents of the files that an MJCF text names, by their relative paths: included files, attached
+        models and meshes. No file on the disk is read then.
 
     Returns
     -------
@@ -105,6 +109,8 @@ def loads(
     ------
     LoadError
         The text is invalid. The message lists all errors by line.
+    ValueError
+        A path of `assets` is absolute, or begins with ``..``.
 
     Warns
     -----
@@ -115,7 +121,16 @@ def loads(
     --------
     >>> rd.loads('<robot name="point"><link name="world"/></robot>').nv
     0
+    >>> ball = '<mujoco><worldbody><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'
+    >>> rd.loads('<mujoco><include file="ball.xml"/></mujoco>', assets={"ball.xml": ball}).nv
+    6
     """
+    contents = None
+    if assets is not None:
+        contents = [
+            (path, content.encode() if isinstance(content, str) else bytes(content))
+            for path, content in assets.items()
+        ]
     robot = Robot(
         "text",
         text,
@@ -123,6 +138,7 @@ def loads(
         strict=strict,
         repair_inertia=repair_inertia,
         package_path=_folders(package_path),
+        assets=contents,
     )
     _warn(robot, "the text")
     return robot

@@ -273,3 +273,22 @@ def test_random_robots_are_those_of_their_seeds() -> None:
     assert robot == rd.random_robot(7, joints=6, floating_base=True) != rd.random_robot(8, joints=6, floating_base=True)
     assert robot.joints[0].kind == "floating" and rd.random_robot(7).joints[0].kind != "floating"
     assert pickle.loads(pickle.dumps(robot)) == robot
+
+
+def test_assets_are_the_files_of_a_text() -> None:
+    """The files of a text are read from memory, with includes in folders and a mesh that gives an inertia."""
+    tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    text = """<mujoco><compiler meshdir="meshes"/><asset><mesh name="m" file="rock.obj"/></asset>
+      <include file="parts/ball.xml"/>
+      <worldbody><body name="rock"><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
+    ball = '<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'
+    assets: dict[str, bytes | str] = {"parts/ball.xml": ball, "meshes/rock.obj": tetrahedron.encode()}
+    robot = rd.loads(text, assets=assets)
+    assert robot.nv == 12
+    assert {link.name: link.mass for link in robot.links}["rock"] == pytest.approx(1000 / 6)
+    assert pickle.loads(pickle.dumps(robot)) == robot
+    with pytest.raises(rd.LoadError, match="not among the given files"):
+        rd.loads(text, assets={"meshes/rock.obj": tetrahedron})
+    for path in ("/rock.obj", "../rock.obj"):
+        with pytest.raises(ValueError, match="relative to the text"):
+            rd.loads(text, assets={**assets, path: b""})

@@ -25,6 +25,7 @@ mod scratch;
 mod threads;
 
 // The robot.
+mod assets;
 mod number;
 mod robot;
 

@@ -6,15 +6,18 @@ use std::sync::{Mutex, OnceLock};
 
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyString;
 use robot_dynamics::description::{JointKind, LoadReport, RobotDescription};
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::simulation::{SensorSet, Simulation};
 use robot_dynamics::{
-    LoadOptions, LoadedDescription, load_description, load_description_from_text, with_native_code,
+    LoadOptions, LoadedDescription, load_description, load_description_from_files,
+    load_description_from_text, with_native_code,
 };
 
+use crate::assets::file_set;
 use crate::errors::{Class, exception};
 use crate::ffi::ArrayNumber;
 use crate::scratch::{Batch, Scratch, Slots};
@@ -183,9 +186,9 @@ type JointFields<'a> = (
 #[pymethods]
 impl Robot {
     /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of
-    /// `_state`.
+    /// `_state`. `assets` has the files that the text names.
     #[new]
-    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=None, confined=false))]
+    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=None, confined=false, assets=None))]
     fn new(
         py: Python<'_>,
         kind: &str,
@@ -195,6 +198,7 @@ impl Robot {
         repair_inertia: bool,
         package_path: Option<Vec<PathBuf>>,
         confined: bool,
+        assets: Option<Vec<(PathBuf, PyBackedBytes)>>,
     ) -> PyResult<Self> {
         let package_path = package_path.unwrap_or_default();
         let options = LoadOptions { floating_base, strict, repair_inertia, package_path, confined };
@@ -206,7 +210,11 @@ impl Robot {
             }
             "text" => {
                 let text: String = source.extract()?;
-                let read = py.detach(|| load_description_from_text(&text, &options));
+                let files = assets.map(|assets| file_set(&text, assets)).transpose()?;
+                let read = py.detach(|| match &files {
+                    Some((files, main)) => load_description_from_files(files, main, &options),
+                    None => load_description_from_text(&text, &options),
+                });
                 Self::made(py, read.map_err(exception)?)
             }
             _ => {
