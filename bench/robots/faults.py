@@ -144,7 +144,7 @@ def ours(command, path, freed):
         shown = subprocess.run([command, "compute", str(path)], input=state, capture_output=True, text=True, check=False)
         matrix = json.loads(shown.stdout)["mass_matrix"]
     what = taken(nv, matrix)
-    findings = [finding for finding in found["report"]["findings"] if finding["treatment"] != "Read"]
+    findings = [finding for finding in found["report"]["findings"] if finding["disposition"] != "Read"]
     for severity in ("warning", "note"):
         for finding in findings:
             if finding["severity"] == severity:

@@ -30,7 +30,7 @@ from robot_dynamics._native import (
     set_num_threads,
 )
 from robot_dynamics.checks import Audit, Check
-from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc, Support
+from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.conventions import MujocoState, PinocchioState, RobotState
 from robot_dynamics.errors import (
@@ -86,7 +86,6 @@ __all__ = [
     "BadStatesError",
     "BaseParameters",
     "Check",
-    "Closure",
     "ColumnError",
     "ComputedTorque",
     "ConstraintError",
@@ -106,6 +105,7 @@ __all__ = [
     "ForwardDynamicsPullback",
     "ForwardDynamicsPullbackWithParameters",
     "FrameAccelerationDerivatives",
+    "FrameConstraint",
     "FrameError",
     "GenerateError",
     "GravityCompensatedPd",

@@ -25,7 +25,7 @@ def _numbers(values: Numbers) -> list[float]:
 
 
 @dataclass(frozen=True)
-class Closure:
+class FrameConstraint:
     """Loop closure: two frames coincide along the given rows."""
 
     a: str
@@ -36,7 +36,7 @@ class Closure:
     """Constrained directions out of x, y, z, rx, ry, rz, along the axes of the first frame."""
 
     def _fields(self) -> _Fields:
-        return "closure", [self.a, self.b], [], list(self.rows)
+        return "frame", [self.a, self.b], [], list(self.rows)
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Coupling:
         return "coupling", list(self.factors), [*map(float, self.factors.values()), self.offset], []
 
 
-Constraint: TypeAlias = Closure | Contact | PointContact | NoSlip | RollingDisc | Coupling
+Constraint: TypeAlias = FrameConstraint | Contact | PointContact | NoSlip | RollingDisc | Coupling
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,8 @@ def constraints(robot: Robot, constraints: Mapping[str, Constraint]) -> Constrai
     Parameters
     ----------
     constraints : mapping of str to constraint
-        Constraints by name: `Closure`, `Contact`, `PointContact`, `NoSlip`, `RollingDisc` or `Coupling`.
+        Constraints by name: `FrameConstraint`, `Contact`, `PointContact`, `NoSlip`, `RollingDisc` or
+        `Coupling`.
 
     Returns
     -------

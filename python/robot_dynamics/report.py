@@ -20,8 +20,8 @@ class Finding:
     """Element, for example ``link `hand```."""
     severity: str
     """``note``, ``warning`` or ``error``."""
-    treatment: str
-    """Treatment: read, defaulted, taken as written, repaired, ignored, ignored physics or refused."""
+    disposition: str
+    """Disposition: read, defaulted, taken as written, repaired, ignored, ignored physics or refused."""
     message: str
     """Description of the finding."""
 
@@ -104,7 +104,7 @@ class LoadReport:
                 line=finding["line"],
                 place=finding["place"],
                 severity=finding["severity"],
-                treatment=_treatment(finding["treatment"]),
+                disposition=_disposition(finding["disposition"]),
                 message=finding["message"],
             )
             for finding in data["findings"]
@@ -114,7 +114,7 @@ class LoadReport:
         return cls(data["robot"], dict(data["counts"]), findings, text, files, tuple(groups), left_out, named)
 
 
-def _treatment(data: str | Mapping[str, Any]) -> str:
+def _disposition(data: str | Mapping[str, Any]) -> str:
     words = {"AsWritten": "taken as written"}
     if isinstance(data, str):
         return words.get(data, data.lower())

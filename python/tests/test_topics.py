@@ -57,7 +57,7 @@ def test_implicit_steps_hold_constraints(panda: rd.Robot) -> None:
 def test_every_kind_of_constraint_is_made(panda: rd.Robot) -> None:
     made = panda.constraints(
         {
-            "loop": rd.Closure("panda_link8", "panda_link0", rows=("x", "rz")),
+            "loop": rd.FrameConstraint("panda_link8", "panda_link0", rows=("x", "rz")),
             "floor": rd.Contact("panda_link8", np.eye(4), rows=("z",)),
             "blade": rd.NoSlip("panda_link8"),
             "wheel": rd.RollingDisc("panda_link8", [0.0, 0.0, 1.0], 0.1),

@@ -176,11 +176,11 @@ fn print_load_report(report: &LoadReport, all: bool) -> Result<(), Failure> {
         counts.sums(),
         count(counts.not_dynamics, "element")
     );
-    let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Disposition::Read);
+    let listed = report.findings.iter().filter(|finding| all || finding.disposition() != Disposition::Read);
     for finding in listed {
-        let (line, place, treatment) = (finding.line(), finding.place(), finding.treatment());
+        let (line, place, disposition) = (finding.line(), finding.place(), finding.disposition());
         let (place, message) = (one_line(place), one_line(finding.message()));
-        let _ = writeln!(text, "  {}: line {line}: {place}: {treatment}: {message}", finding.severity());
+        let _ = writeln!(text, "  {}: line {line}: {place}: {disposition}: {message}", finding.severity());
         if text.len() > BUFFER_SIZE {
             print(&text)?;
             text.clear();

@@ -31,19 +31,19 @@ impl RobotDescription {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn couplings_to_followers(&mut self) -> Vec<String> {
-        let mut followers = Vec::new();
+        let mut mimic_joints = Vec::new();
         let equalities = core::mem::take(&mut self.equalities);
         for equality in equalities {
             match linear(&equality.kind).filter(|_| equality.active) {
                 Some((joint, mimic)) if self.follow(&joint, &mimic) => {
                     self.sensors
                         .retain(|sensor| !(sensor.is_of_joint(&joint) && sensor.kind.needs_own_force()));
-                    followers.push(joint);
+                    mimic_joints.push(joint);
                 }
                 _ => self.equalities.push(equality),
             }
         }
-        followers
+        mimic_joints
     }
 
     /// Makes the joint a mimic joint; returns whether it could.

@@ -73,7 +73,7 @@ impl LoadReport {
         for finding in self.warnings() {
             let (place, message) = (without_values(finding.place()), without_values(finding.message()));
             let at =
-                *known.entry((discriminant(&finding.treatment()), place, message)).or_insert(groups.len());
+                *known.entry((discriminant(&finding.disposition()), place, message)).or_insert(groups.len());
             match groups.get_mut(at) {
                 Some(group) => group.findings.push(finding),
                 None => groups.push(FindingGroup { findings: vec![finding] }),

@@ -29,7 +29,7 @@ pub enum Severity {
     Error,
 }
 
-/// The treatment of a part of the file.
+/// The disposition of a part of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
@@ -54,7 +54,7 @@ pub enum Disposition {
 }
 
 impl Disposition {
-    /// The policy: the severity of each treatment.
+    /// The policy: the severity of each disposition.
     pub fn severity(self) -> Severity {
         match self {
             Self::Read | Self::Defaulted | Self::Ignored { physics: false } => Severity::Note,
@@ -64,14 +64,14 @@ impl Disposition {
     }
 }
 
-/// The treatment of one element or attribute.
+/// The disposition of one element or attribute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Finding {
     line: usize,
     place: String,
     severity: Severity,
-    treatment: Disposition,
+    disposition: Disposition,
     message: String,
 }
 
@@ -81,11 +81,11 @@ impl Finding {
     pub fn new(
         line: usize,
         place: impl Into<String>,
-        treatment: Disposition,
+        disposition: Disposition,
         message: impl Into<String>,
     ) -> Self {
         let (place, message) = (place.into(), message.into());
-        Self { line, place, severity: treatment.severity(), treatment, message }
+        Self { line, place, severity: disposition.severity(), disposition, message }
     }
 
     /// Its line in the file, from 1.
@@ -103,9 +103,9 @@ impl Finding {
         self.severity
     }
 
-    /// Its treatment.
-    pub fn treatment(&self) -> Disposition {
-        self.treatment
+    /// Its disposition.
+    pub fn disposition(&self) -> Disposition {
+        self.disposition
     }
 
     /// The message: the file's value, its deviation, the value used, and the remedy.
@@ -179,7 +179,7 @@ impl LoadReport {
     /// Adds a finding to the list and to the totals.
     pub fn add(&mut self, finding: Finding) {
         let counts = &mut self.counts;
-        match finding.treatment {
+        match finding.disposition {
             Disposition::Read => counts.read += 1,
             Disposition::Defaulted => counts.defaulted += 1,
             Disposition::AsWritten => counts.as_written += 1,
@@ -241,7 +241,7 @@ impl LoadReport {
 
     /// The findings of ignored elements that affect the motion.
     pub fn ignored_physics(&self) -> impl Iterator<Item = &Finding> {
-        self.findings.iter().filter(|finding| finding.treatment == Disposition::Ignored { physics: true })
+        self.findings.iter().filter(|finding| finding.disposition == Disposition::Ignored { physics: true })
     }
 }
 
@@ -258,9 +258,9 @@ impl fmt::Display for LoadReport {
             "{}; {not_dynamics} visual, collision or material elements, which dynamics does not need",
             self.counts.sums()
         )?;
-        for Finding { line, place, treatment, message, .. } in &self.findings {
+        for Finding { line, place, disposition, message, .. } in &self.findings {
             let (place, message) = (one_line(place), one_line(message));
-            writeln!(f, "{line:>6}  {treatment:<15}  {place}: {message}")?;
+            writeln!(f, "{line:>6}  {disposition:<15}  {place}: {message}")?;
         }
         if unlisted > 0 {
             writeln!(f, "        and {unlisted} more")?;
@@ -270,7 +270,7 @@ impl fmt::Display for LoadReport {
 }
 
 impl LoadCounts {
-    /// The totals by treatment, in one line.
+    /// The totals by disposition, in one line.
     pub fn sums(&self) -> String {
         let Self { read, defaulted, as_written, repaired, ignored, ignored_physics, .. } = self;
         format!(

@@ -17,7 +17,7 @@ use self::names::Names;
 use self::sensors::check_sensors;
 use self::tendons::check_tendons;
 pub use self::tree::Tree;
-use self::tree::{order_followers, span};
+use self::tree::{order_mimic_joints, span};
 use crate::actuated_joints::check_actuated;
 use crate::{ModelError, RobotDescription};
 
@@ -56,5 +56,5 @@ pub fn validate(description: &RobotDescription) -> Result<Tree, ModelError> {
     check_equalities(description, &names)?;
     check_actuators(description, &names)?;
     check_sensors(description, &names)?;
-    Ok(Tree { followers: order_followers(description, &joints)?, ..tree })
+    Ok(Tree { mimic_joints: order_mimic_joints(description, &joints)?, ..tree })
 }

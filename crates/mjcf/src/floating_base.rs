@@ -125,9 +125,9 @@ fn bodies_of_the_world(robot: &RobotDescription) -> Vec<WorldBody> {
         .collect()
 }
 
-fn note(reader: &mut Reader<'_>, treatment: Disposition, message: String) {
+fn note(reader: &mut Reader<'_>, disposition: Disposition, message: String) {
     let (line, place) = (reader.tree.nodes[Tree::ROOT].line, excerpt("mujoco"));
-    reader.push(line, place, treatment, message);
+    reader.push(line, place, disposition, message);
 }
 
 fn refuse(reader: &mut Reader<'_>, reason: String) {

@@ -83,8 +83,8 @@ impl Reader<'_> {
                 );
             } else {
                 let message = "options of an attached model: those of the main file count";
-                let treatment = Disposition::Ignored { physics: false };
-                self.push(element.line, element.place, treatment, message.into());
+                let disposition = Disposition::Ignored { physics: false };
+                self.push(element.line, element.place, disposition, message.into());
             }
         }
     }

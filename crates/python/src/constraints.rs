@@ -78,8 +78,8 @@ fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<
     Err(Class::Shape.error(py, format!("actuated has {found} entries, it must have nv = {nv}")))
 }
 
-/// The rows of a closure by their names.
-pub(crate) fn closure_rows(rows: &[String]) -> PyResult<Vec<SpatialAxis>> {
+/// The directions of a frame constraint by their names.
+pub(crate) fn spatial_axes(rows: &[String]) -> PyResult<Vec<SpatialAxis>> {
     const ALL: [SpatialAxis; 6] =
         [SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z, SpatialAxis::Rx, SpatialAxis::Ry, SpatialAxis::Rz];
     let find = |name: &String| {
@@ -111,15 +111,15 @@ fn constraint(
         slice.ok_or_else(|| PyValueError::new_err(format!("constraint `{name}` has too few numbers")))
     };
     Ok(match kind {
-        "closure" => FrameConstraint::between(frame(0)?, frame(1)?, &closure_rows(rows)?).into(),
+        "frame" => FrameConstraint::between(frame(0)?, frame(1)?, &spatial_axes(rows)?).into(),
         "point_contact" => FrameConstraint::point_contact(frame(0)?, three(0)?).into(),
         "contact" => {
             if numbers.len() != 16 {
                 return Err(PyValueError::new_err(format!("constraint `{name}`: a pose has 4 by 4 numbers")));
             }
-            FrameConstraint::contact(frame(0)?, pose_of(numbers), &closure_rows(rows)?).into()
+            FrameConstraint::contact(frame(0)?, pose_of(numbers), &spatial_axes(rows)?).into()
         }
-        "no_slip" => NoSlip { frame: frame(0)?, rows: closure_rows(rows)? }.into(),
+        "no_slip" => NoSlip { frame: frame(0)?, rows: spatial_axes(rows)? }.into(),
         "rolling" => {
             const ALL: [RollingRow; 3] = [RollingRow::Forward, RollingRow::Side, RollingRow::Normal];
             let radius = numbers.get(3).copied().unwrap_or(f64::NAN);

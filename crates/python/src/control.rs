@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::control::{FrameTarget, InverseKinematicsOptions, inverse_kinematics, operational_space};
 
-use crate::constraints::closure_rows;
+use crate::constraints::spatial_axes;
 use crate::errors::{Class, exception};
 use crate::numbers::{
     array, array_of, configuration, matrix, numbers, object, pose_of, record, vector_or_zeros,
@@ -76,7 +76,7 @@ impl Robot {
         frame: &Bound<'py, PyAny>,
         rows: Vec<String>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (frame, rows) = (self.frame_of(frame)?, closure_rows(&rows)?);
+        let (frame, rows) = (self.frame_of(frame)?, spatial_axes(&rows)?);
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let space = self
             .with_workspace(|workspace| operational_space(&self.model, workspace, &q, &v, frame, &rows))

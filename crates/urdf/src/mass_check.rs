@@ -39,8 +39,8 @@ pub(crate) fn check(
         .map(|(&(_, child), joint)| from_here[child] || joint.passive.armature > 0.0)
         .collect();
     // A leader moves the mass that its mimic joints move. Each leader is marked once.
-    for follower in 0..leaders.len() {
-        let mut at = follower;
+    for mimic_joint in 0..leaders.len() {
+        let mut at = mimic_joint;
         while let Some(leader) = leaders[at].filter(|&leader| moves[at] && !moves[leader]) {
             moves[leader] = true;
             at = leader;

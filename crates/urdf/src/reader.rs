@@ -131,11 +131,11 @@ impl<'a> Reader<'a> {
     }
 
     /// Adds a finding. In a strict reading a warning becomes an error.
-    pub(crate) fn push(&mut self, line: usize, place: String, treatment: Disposition, message: String) {
-        if self.options.strict && treatment.severity() == Severity::Warning {
+    pub(crate) fn push(&mut self, line: usize, place: String, disposition: Disposition, message: String) {
+        if self.options.strict && disposition.severity() == Severity::Warning {
             self.refused_warnings.push(UrdfError::Strict { line, place, message });
         } else {
-            self.report.add(Finding::new(line, place, treatment, message));
+            self.report.add(Finding::new(line, place, disposition, message));
         }
     }
 }

@@ -55,21 +55,21 @@ impl Bounds {
 /// does not move.
 fn follower_limits(
     model: &Model,
-    follower: &robot_dynamics_core::Joint,
+    mimic_joint: &robot_dynamics_core::Joint,
     leader: &robot_dynamics_core::Joint,
 ) -> Option<(f64, f64)> {
     // mimic joint = ratio · leader + offset, along the chain of leaders.
     let (mut ratio, mut offset) = (1.0, 0.0);
-    let mut joint = follower;
+    let mut joint = mimic_joint;
     while let Some(mimic) = &joint.mimic {
         offset += ratio * mimic.offset;
         ratio *= mimic.ratio;
         joint = model.joint(&mimic.joint)?;
     }
-    if std::ptr::eq(joint, follower) || joint.name != leader.name || ratio == 0.0 {
+    if std::ptr::eq(joint, mimic_joint) || joint.name != leader.name || ratio == 0.0 {
         return None;
     }
     let at = |limit: f64| (limit - offset) / ratio;
-    let (one, other) = (at(follower.limits.lower), at(follower.limits.upper));
+    let (one, other) = (at(mimic_joint.limits.lower), at(mimic_joint.limits.upper));
     Some((one.min(other), one.max(other)))
 }

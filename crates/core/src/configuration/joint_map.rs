@@ -198,7 +198,7 @@ fn leader(joint: &Joint) -> Option<&str> {
 
 /// A joint's kind, or its leader.
 fn movement(joint: &Joint) -> String {
-    leader(joint).map_or_else(|| joint.kind.name().into(), |leader| format!("a follower of `{leader}`"))
+    leader(joint).map_or_else(|| joint.kind.name().into(), |leader| format!("a mimic joint of `{leader}`"))
 }
 
 fn no_such_joint(full: &Model, reduced: &Model, joint: &Joint) -> InvalidInput {

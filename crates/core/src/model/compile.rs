@@ -286,17 +286,17 @@ impl<'a> Compiler<'a> {
 
     /// Sets the coordinate of each mimic joint to its leader's, through chains of mimic joints.
     fn resolve_followers(&mut self, tree: &Tree) {
-        for &follower in &tree.followers {
-            let joint = &self.description.joints[follower];
-            let mimic = joint.mimic.as_ref().expect("listed as a follower");
+        for &mimic_joint in &tree.mimic_joints {
+            let joint = &self.description.joints[mimic_joint];
+            let mimic = joint.mimic.as_ref().expect("listed as a mimic joint");
             let (leader_dof, leader_joint) = self.placed[mimic.joint.as_str()];
             let (dof, _) = self.placed[joint.name.as_str()];
-            // q = k (k' q' + c') + c. Leaders come before their mimic joints in `tree.followers`.
+            // q = k (k' q' + c') + c. Leaders come before their mimic joints in `tree.mimic_joints`.
             let leader = self.dofs[leader_dof];
-            let follower = &mut self.dofs[dof];
-            follower.coordinate = leader.coordinate;
-            follower.ratio = mimic.ratio * leader.ratio;
-            follower.offset = mimic.ratio * leader.offset + mimic.offset;
+            let mimic_joint = &mut self.dofs[dof];
+            mimic_joint.coordinate = leader.coordinate;
+            mimic_joint.ratio = mimic.ratio * leader.ratio;
+            mimic_joint.offset = mimic.ratio * leader.offset + mimic.offset;
             let body = self.dofs[dof].body;
             self.bodies[body].q_index = self.bodies[leader.body].q_index;
             debug_assert!(self.joints[leader_joint].nv <= 1);

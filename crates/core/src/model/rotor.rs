@@ -31,7 +31,7 @@ impl Rotor {
                 let Some(own) = dofs.iter().find(|dof| joints[dof.joint].name == *name) else { continue };
                 let is_leader =
                     |dof: &Dof| dof.coordinate == own.coordinate && joints[dof.joint].mimic.is_none();
-                let leader = dofs.iter().position(is_leader).expect("chains of followers end");
+                let leader = dofs.iter().position(is_leader).expect("chains of mimic joints end");
                 let c = c * own.ratio;
                 match terms.iter_mut().find(|(dof, _)| *dof == leader) {
                     Some((_, sum)) => *sum += c,

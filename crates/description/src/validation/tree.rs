@@ -11,7 +11,7 @@ pub struct Tree {
     /// For each link its child joints, in the description's order.
     pub children: Vec<Vec<usize>>,
     /// Mimic joints, leaders before their mimic joints.
-    pub followers: Vec<usize>,
+    pub mimic_joints: Vec<usize>,
 }
 
 /// Checks that there is one root, that every other link is the child of one joint, and that the root reaches
@@ -52,11 +52,11 @@ pub(super) fn span(description: &RobotDescription, links: &HashMap<&str, usize>)
     if !missed.is_empty() {
         return Err(ModelError::Cycle { links: missed.iter().map(name).collect() });
     }
-    Ok(Tree { root: roots[0], children, followers: Vec::new() })
+    Ok(Tree { root: roots[0], children, mimic_joints: Vec::new() })
 }
 
 /// Orders leaders before mimic joints; rejects cycles and joints that cannot lead or follow.
-pub(super) fn order_followers(
+pub(super) fn order_mimic_joints(
     description: &RobotDescription,
     joints: &HashMap<&str, usize>,
 ) -> Result<Vec<usize>, ModelError> {
@@ -74,7 +74,7 @@ pub(super) fn order_followers(
                 reason,
             };
             if chain.contains(&at) {
-                return Err(bad("the chain of followers closes on itself"));
+                return Err(bad("the chain of mimic joints closes on itself"));
             }
             chain.push(at);
             let Some(&leader) = joints.get(mimic.joint.as_str()) else {

@@ -87,7 +87,7 @@ fn memory_sizes_and_custom_data_give_notes() {
     let found: Vec<_> = robot.report.findings.iter().filter(|f| f.line() == 2).collect();
     assert_eq!(found.iter().map(|f| f.place()).collect::<Vec<_>>(), ["size", "custom"]);
     assert!(
-        found.iter().all(|f| f.treatment() == Disposition::Ignored { physics: false }),
+        found.iter().all(|f| f.disposition() == Disposition::Ignored { physics: false }),
         "{}",
         robot.report
     );
@@ -96,7 +96,7 @@ fn memory_sizes_and_custom_data_give_notes() {
 #[test]
 fn stray_text_and_undeclared_prefixes_are_reported() {
     let robot = read("<mujoco>\nhello<worldbody/><x:y/></mujoco>");
-    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.treatment())).collect();
+    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.disposition())).collect();
     assert!(found.contains(&("text", Disposition::Ignored { physics: false })), "{}", robot.report);
     assert!(found.contains(&("mujoco", Disposition::AsWritten)), "{}", robot.report);
 }

@@ -176,7 +176,7 @@ fn options_of_attached_models_are_ignored() {
     let folder = Folder::with("attach-options", &[("main.xml", &main), ("leg.xml", &leg)]);
     let robot = folder.load("main.xml").expect("a robot");
     assert_eq!(robot.description.gravity, [0.0, 0.0, -9.81]);
-    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.treatment())).collect();
+    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.disposition())).collect();
     let [note, warning] = [false, true].map(|physics| Disposition::Ignored { physics });
     assert!(found.contains(&("leg.xml: option", note)), "{}", robot.report);
     assert!(found.contains(&("leg.xml: deformable", warning)), "{}", robot.report);
@@ -206,7 +206,7 @@ fn elements_with_missing_references_are_omitted() {
     let terms = vec![("hip".to_owned(), 1.0), ("p_toe".to_owned(), 2.0)];
     assert_eq!(robot.description.tendons[0].terms, terms);
     assert!(robot.description.equalities.is_empty() && robot.description.actuators.is_empty());
-    let is_ignored = |finding: &&Finding| finding.treatment() == Disposition::Ignored { physics: false };
+    let is_ignored = |finding: &&Finding| finding.disposition() == Disposition::Ignored { physics: false };
     let places: Vec<&str> = robot.report.findings.iter().filter(is_ignored).map(Finding::place).collect();
     assert_eq!(places, ["leg.xml: joint", "leg.xml: motor \"m\""]);
 }

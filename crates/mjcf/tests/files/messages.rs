@@ -33,7 +33,7 @@ fn refused(text: &str) -> LoadError {
 /// The findings of a file, except for parts that are read.
 fn list_findings(text: &str, options: &LoadOptions) -> String {
     let report = parse(text, options).expect(text).report;
-    let is_relevant = |finding: &&Finding| finding.treatment() != Disposition::Read;
+    let is_relevant = |finding: &&Finding| finding.disposition() != Disposition::Read;
     let with_place =
         |finding: &Finding| format!("line {}: {}: {}", finding.line(), finding.place(), finding.message());
     report.findings.iter().filter(is_relevant).map(with_place).collect::<Vec<_>>().join("\n=> ")

@@ -69,7 +69,7 @@ fn anisotropic_friction_is_reported() {
     let text = balls(r#"<pair geom1="ball" geom2="floor" friction="0.3 0.4"/>"#);
     let robot = parse(&text, &LoadOptions::default()).expect("a robot");
     let is_ignored =
-        |one: &&robot_dynamics_mjcf::Finding| one.treatment() == Disposition::Ignored { physics: false };
+        |one: &&robot_dynamics_mjcf::Finding| one.disposition() == Disposition::Ignored { physics: false };
     let findings: Vec<_> = robot.report.findings.iter().filter(is_ignored).collect();
     assert_eq!(findings.len(), 1, "{}", robot.report);
     assert_eq!(findings[0].line(), 14);

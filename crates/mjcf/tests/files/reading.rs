@@ -70,7 +70,7 @@ pub(crate) fn scene(bodies: &str) -> String {
 /// The treatments of findings about the whole file.
 fn notes_on_base(robot: &Robot) -> Vec<Disposition> {
     let findings = robot.report.findings.iter().filter(|finding| finding.place() == "mujoco");
-    findings.map(robot_dynamics::description::Finding::treatment).collect()
+    findings.map(robot_dynamics::description::Finding::disposition).collect()
 }
 
 /// In a scene the robot floats, and not the world with table and floor: 6 + 1 degrees of freedom, and the

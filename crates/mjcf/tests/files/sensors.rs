@@ -151,7 +151,7 @@ pub(crate) const UNANSWERED: &str =
 fn unsupported_sensors_are_reported() {
     let robot = parse(UNANSWERED, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.description.sensors.len(), 1);
-    let is_ignored = |finding: &&Finding| finding.treatment() == Disposition::Ignored { physics: false };
+    let is_ignored = |finding: &&Finding| finding.disposition() == Disposition::Ignored { physics: false };
     let lines: Vec<usize> = robot
         .report
         .findings

@@ -9,7 +9,7 @@ use robot_dynamics::model::FrameId;
 use robot_dynamics::simulation::ControllerError;
 
 use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
-use crate::constraints::closure_rows;
+use crate::constraints::spatial_axes;
 use crate::errors::{Class, exception_of};
 use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
@@ -181,7 +181,7 @@ impl Controls for TaskControl {
 
 /// The rows of a reference of this shape by their names.
 fn task_rows(names: &[String], shape: &[usize]) -> PyResult<Vec<SpatialAxis>> {
-    let rows = closure_rows(names)?;
+    let rows = spatial_axes(names)?;
     if rows.is_empty() {
         return Err(PyValueError::new_err("rows is empty; name at least one of x, y, z, rx, ry, rz"));
     }

@@ -52,7 +52,7 @@ fn outcome(path: &Path, freed: bool) -> Outcome {
         Ok(model) => model,
         Err(error) => return refused(vec![error.to_string()]),
     };
-    let told = || robot.report.findings.iter().filter(|finding| finding.treatment() != Disposition::Read);
+    let told = || robot.report.findings.iter().filter(|finding| finding.disposition() != Disposition::Read);
     let severity = told().map(robot_dynamics::urdf::Finding::severity).max();
     let messages = told()
         .filter(|finding| Some(finding.severity()) == severity)

@@ -40,7 +40,7 @@ fn with_place(finding: &Finding) -> String {
 fn list_findings(text: &str) -> String {
     let report = parse(text, &LoadOptions::default()).expect(text).report;
     let is_relevant =
-        |finding: &&Finding| !matches!(finding.treatment(), Disposition::Read | Disposition::Defaulted);
+        |finding: &&Finding| !matches!(finding.disposition(), Disposition::Read | Disposition::Defaulted);
     report.findings.iter().filter(is_relevant).map(with_place).collect::<Vec<_>>().join("\n=> ")
 }
 
@@ -156,7 +156,7 @@ fn parts_that_are_not_read() {
         let findings = report
             .findings
             .iter()
-            .filter(|finding| matches!(finding.treatment(), Disposition::Ignored { .. }));
+            .filter(|finding| matches!(finding.disposition(), Disposition::Ignored { .. }));
         add(&mut out, inside, findings.map(with_place).collect::<String>());
     }
     assert_snapshot!(out);

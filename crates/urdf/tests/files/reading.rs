@@ -18,9 +18,9 @@ pub(crate) fn with_joint(joint_type: &str, content: &str) -> String {
     )
 }
 
-/// The places of all findings of a treatment, in order.
-fn places(robot: &Robot, treatment: Disposition) -> Vec<(usize, &str)> {
-    let findings = robot.report.findings.iter().filter(|finding| finding.treatment() == treatment);
+/// The places of all findings of a disposition, in order.
+fn places(robot: &Robot, disposition: Disposition) -> Vec<(usize, &str)> {
+    let findings = robot.report.findings.iter().filter(|finding| finding.disposition() == disposition);
     findings.map(|finding| (finding.line(), finding.place())).collect()
 }
 
@@ -120,7 +120,7 @@ fn a_floating_base_is_six_more_degrees_of_freedom() {
     assert_eq!(robot.report.counts.degrees_of_freedom, 7);
 }
 
-/// Content of a file that is not read, with its treatment.
+/// Content of a file that is not read, with its disposition.
 #[rustfmt::skip]
 pub(crate) const UNREAD: &[(&str, Disposition)] = &[
     (r#"<transmission name="t"><type>Simple</type><joint name="j"/><actuator name="m"/></transmission>"#, HARMLESS),
@@ -147,12 +147,12 @@ pub(crate) fn with_unread(text: &str) -> String {
 
 #[test]
 fn parts_that_are_not_read_are_reported() {
-    for (text, treatment) in UNREAD {
+    for (text, disposition) in UNREAD {
         let file = with_unread(text);
         let robot = read(&file);
-        let found = places(&robot, *treatment);
+        let found = places(&robot, *disposition);
         assert!(!found.is_empty() && found.iter().all(|(line, _)| *line >= 5), "{text}:\n{}", robot.report);
-        let physics = *treatment == PHYSICS;
+        let physics = *disposition == PHYSICS;
         assert_eq!(robot.report.counts.ignored_physics > 0, physics, "{text}:\n{}", robot.report);
         let strict = parse(&file, &LoadOptions::default().with_strict());
         let refused = strict.as_ref().err().map(robot_dynamics::urdf::LoadError::errors);

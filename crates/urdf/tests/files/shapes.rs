@@ -69,7 +69,7 @@ fn invalid_shapes_are_reported() {
         let robot = with_shapes(&format!("<visual>{inside}</visual>"));
         assert!(robot.description.shapes.is_empty(), "{inside}");
         let is_ignored = |entry: &&robot_dynamics_urdf::Finding| {
-            entry.treatment() == Disposition::Ignored { physics: false }
+            entry.disposition() == Disposition::Ignored { physics: false }
         };
         let ignored: Vec<_> = robot.report.findings.iter().filter(is_ignored).collect();
         let [entry] = ignored[..] else { panic!("{inside}: {}", robot.report) };

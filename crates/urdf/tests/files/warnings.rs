@@ -152,7 +152,7 @@ fn repair_changes_only_the_wrong_moment_and_reports_it() {
         let text = file(1.0, given);
         let robot = parse(&text, &repair).expect("repaired");
         let found: Vec<_> = robot.report.warnings().collect();
-        assert_eq!((found.len(), found[0].treatment()), (1, Disposition::Repaired));
+        assert_eq!((found.len(), found[0].disposition()), (1, Disposition::Repaired));
         let inertia =
             robot.description.links[0].mass_properties.expect("mass").inertia_about_center_of_mass();
         let expected = r.matrix() * Matrix3::from_diagonal(&mended.into()) * r.matrix().transpose();
@@ -162,9 +162,9 @@ fn repair_changes_only_the_wrong_moment_and_reports_it() {
     }
     let robot = parse(&file(0.0, [1.0, 1.0, 1.0]), &repair).expect("repaired");
     assert!(robot.description.links[0].mass_properties.is_none());
-    let treatments: Vec<Disposition> =
-        robot.report.warnings().map(robot_dynamics_urdf::Finding::treatment).collect();
-    assert_eq!(treatments, [Disposition::Repaired]);
+    let dispositions: Vec<Disposition> =
+        robot.report.warnings().map(robot_dynamics_urdf::Finding::disposition).collect();
+    assert_eq!(dispositions, [Disposition::Repaired]);
     // A valid inertia is unchanged, and a negative mass cannot be repaired.
     let sound = file(1.0, [1.0, 2.0, 2.5]);
     assert_eq!(parse(&sound, &repair).expect("sound").description, read(&sound).description);
@@ -186,8 +186,8 @@ fn a_floating_root_gets_no_floating_base() {
     assert_eq!((floats.description.base, floats.report.counts.degrees_of_freedom), (Base::Fixed, 6));
     assert_eq!(floats.description, read(&file("base", "floating", "")).description);
     let noted = floats.report.findings.iter().filter(|finding| finding.place() == "robot");
-    let treatments: Vec<Disposition> = noted.map(robot_dynamics_urdf::Finding::treatment).collect();
-    assert_eq!(treatments, [Disposition::Ignored { physics: false }], "{}", floats.report);
+    let dispositions: Vec<Disposition> = noted.map(robot_dynamics_urdf::Finding::disposition).collect();
+    assert_eq!(dispositions, [Disposition::Ignored { physics: false }], "{}", floats.report);
     // A root with mass, or with another joint, becomes a floating base.
     for text in [file("base", "floating", body), file("base", "continuous", "")] {
         assert_eq!(parse(&text, &free).expect("a robot").description.base, Base::Floating);
@@ -214,7 +214,7 @@ fn a_missing_parent_world_is_added() {
     // Both joints lack the same elements. Joint `j` has one more note, about its parent.
     let [of_j, of_k] = [r#"joint "j""#, r#"joint "k""#].map(|place| {
         let notes = robot.report.findings.iter().filter(|finding| finding.place() == place);
-        notes.filter(|finding| finding.treatment() == Disposition::Defaulted).count()
+        notes.filter(|finding| finding.disposition() == Disposition::Defaulted).count()
     });
     assert_eq!(of_j, of_k + 1, "{}", robot.report);
     assert_eq!(robot.report.counts.warnings, 0, "{}", robot.report);

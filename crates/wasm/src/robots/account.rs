@@ -51,7 +51,7 @@ pub struct RobotEnergyAccount {
     pub unaccounted: f64,
 }
 
-/// The size of a robot from a file, and the treatment of the file's values.
+/// The size of a robot from a file, and the disposition of the file's values.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct RobotCounts {
@@ -115,7 +115,7 @@ impl Robot {
         }
     }
 
-    /// Numbers of links, joints and degrees of freedom, and the treatment of the file's values.
+    /// Numbers of links, joints and degrees of freedom, and the disposition of the file's values.
     #[wasm_bindgen(getter)]
     pub fn counts(&self) -> RobotCounts {
         let description = self.model.description();

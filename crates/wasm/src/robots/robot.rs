@@ -127,11 +127,11 @@ impl Robot {
         self.locked.iter().map(|joint| shown(joint)).collect()
     }
 
-    /// The load report, one string for each entry: line, treatment, place, message, separated by tabs.
+    /// The load report, one string for each entry: line, disposition, place, message, separated by tabs.
     pub fn report(&self) -> Vec<String> {
         let line = |finding: &Finding| {
             let (place, message) = (shown(finding.place()), shown(finding.message()));
-            format!("{}\t{}\t{place}\t{message}", finding.line(), finding.treatment())
+            format!("{}\t{}\t{place}\t{message}", finding.line(), finding.disposition())
         };
         self.report.findings.iter().map(line).collect()
     }

@@ -46,7 +46,7 @@ fn families() -> Vec<(&'static str, RandomRobotOptions)> {
             RandomRobotOptions { mass_ratio: 1e12, thin: 0.5, massless: 0.0, ..plain.clone() },
         ),
         ("links without mass", RandomRobotOptions { massless: 1.0, kinds: single, ..bare }),
-        ("followers", RandomRobotOptions { mimic: 0.4, ..plain.clone() }),
+        ("mimic joints", RandomRobotOptions { mimic: 0.4, ..plain.clone() }),
         ("tendons", RandomRobotOptions { tendons: 3, ..plain }),
     ]
 }
