@@ -136,10 +136,11 @@ class Simulation(_native.Simulation):
         --------
         >>> arm = rd.example("panda")
         >>> sim = rd.Simulation(arm, ignore_contacts=[("panda_link1", "panda_link3")])
-        >>> rd.Simulation(arm, ignore_contacts=[("panda_link1", "link3")])
-        Traceback (most recent call last):
-        ...
-        ValueError: robot `panda` has no link `link3`, which a pair of links names; did you mean `panda_link3`?
+        >>> try:
+        ...     rd.Simulation(arm, ignore_contacts=[("panda_link1", "link3")])
+        ... except rd.SimulationInputError as error:
+        ...     print(error)
+        a pair of links is invalid: robot `panda` has no link `link3`; did you mean `panda_link3`?
         """
         options = _options(
             robot,

@@ -10,7 +10,7 @@ use robot_dynamics::constraints::ConstraintError;
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
 };
-use robot_dynamics::description::ModelError;
+use robot_dynamics::description::{InertiaError, ModelError};
 use robot_dynamics::simulation::{ControllerError, RunError, SimulationError, StepError};
 use robot_dynamics::text::lines;
 use robot_dynamics::{Classified, ErrorKind, FileError};
@@ -66,6 +66,7 @@ impl Class {
             (TypeId::of::<ParameterizationError>(), Self::Planning),
             (TypeId::of::<IdentificationError>(), Self::Identification),
             (TypeId::of::<ModelError>(), Self::Description),
+            (TypeId::of::<InertiaError>(), Self::Description),
             (TypeId::of::<FileError>(), Self::Load),
             (TypeId::of::<GenerateError>(), Self::Generate),
         ];
