@@ -13,7 +13,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace, integrate, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Actuation, ControllerError, Effect, Integrator, Method, Run, RunError, RunOptions, SimulationBuilder,
+    Actuation, Effect, Integrator, Method, Run, RunError, RunOptions, SimulationBuilder,
 };
 
 use crate::common::damped_tree;
@@ -261,10 +261,8 @@ fn invalid_controls_are_errors() {
     simulation.run_for(5e-3).unwrap();
     simulation.set_controls(&[f64::NAN]);
     let failure = simulation.step().unwrap_err();
-    let RunError::Controller { source: ControllerError::Callback(cause), .. } = &failure else {
-        panic!("{failure}")
-    };
-    assert!(cause.to_string().contains("`motor`"), "{cause}");
+    let RunError::StepInput { step: 5, source, .. } = &failure else { panic!("{failure}") };
+    assert!(source.to_string().contains("`motor`"), "{source}");
     assert_eq!(simulation.steps(), 5);
     let variational = Integrator::ALL.into_iter().find(|row| !row.is_explicit()).unwrap();
     let simulation = SimulationBuilder::new(&model).method(Method::Fixed(variational)).build().unwrap();
