@@ -177,12 +177,18 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
         }
     }
     if !parameters.is_empty() {
-        // F = I A, and A of the world is −gravity: ∂(λᵀτ)/∂g = −Σ (I L)'s linear part.
-        let first = parameters.len() - 3;
-        let up = up.array();
-        for k in 0..3 {
-            parameters[first + k] -= up[k];
-        }
+        add_gravity(up, parameters);
+    }
+}
+
+/// Adds the cotangent of gravity, the last three parameters. F = I A, and A of the world is −gravity:
+/// ∂(λᵀτ)/∂g = −Σ (I L)'s linear part, which is `up`.
+#[inline(always)]
+fn add_gravity<S: Scalar>(up: V3<S>, parameters: &mut [S]) {
+    let first = parameters.len() - 3;
+    let up = up.array();
+    for k in 0..3 {
+        parameters[first + k] -= up[k];
     }
 }
 
