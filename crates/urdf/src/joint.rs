@@ -4,6 +4,7 @@ use robot_dynamics_description::{JointDescription, JointKind};
 use robot_dynamics_xml::excerpt;
 
 use crate::UrdfError;
+use crate::drake::is_drake;
 use crate::element::Element;
 use crate::reader::Reader;
 use crate::unread_parts::UnknownPart;
@@ -20,29 +21,24 @@ impl<'a> Reader<'a> {
     pub(crate) fn joint(&mut self, element: &Element<'a>) -> JointDescription {
         let name = self.required_name(element, "name", "<joint name=\"NAME\" type=\"TYPE\">");
         let type_name = self.required_text(element, "type", "type=\"revolute\" or another joint type");
+        let of_drake = is_drake(element.node, "joint");
+        let drake_kind =
+            type_name.filter(|_| of_drake).and_then(|kind| self.drake_joint(element, name, kind));
         let passive = self.passive_forces_element(element);
         let known = ["origin", "parent", "child", "axis", "limit", "dynamics", passive, "mimic"];
         self.list_unread(element, &["name", "type"], &known, UnknownPart::Physics);
         let (parent, child) = (self.link_of(element, "parent"), self.link_of(element, "child"));
         let parent_from_joint = self.origin(element);
-        let kind = match type_name.unwrap_or("continuous") {
-            "fixed" => JointKind::Fixed,
-            "revolute" => JointKind::Revolute { axis: self.axis(element, name) },
-            "continuous" => JointKind::Continuous { axis: self.axis(element, name) },
-            "prismatic" => JointKind::Prismatic { axis: self.axis(element, name) },
-            "planar" => JointKind::Planar { normal: self.axis(element, name) },
-            "floating" => JointKind::Floating,
-            "spherical" | "ball" => JointKind::Spherical,
-            other => {
-                self.refuse(UrdfError::UnknownJointType {
-                    line: element.line,
-                    joint: excerpt(name),
-                    found: excerpt(other),
-                });
-                JointKind::Continuous { axis: self.axis(element, name) }
-            }
+        let kind = match drake_kind {
+            Some(kind) => kind,
+            None => self.joint_kind(element, name, type_name.unwrap_or("continuous")),
         };
-        if matches!(kind, JointKind::Fixed | JointKind::Floating | JointKind::Spherical) {
+        let has_axis = match kind {
+            JointKind::Fixed | JointKind::Floating | JointKind::Spherical => false,
+            JointKind::Universal { .. } | JointKind::Planar { .. } => !of_drake,
+            _ => true,
+        };
+        if !has_axis {
             self.report_unused(element, kind, "axis");
         }
         let mut joint = JointDescription::new(name, kind, parent, child, parent_from_joint);
@@ -62,6 +58,27 @@ impl<'a> Reader<'a> {
         joint
     }
 
+    /// The kind of joint of this type.
+    fn joint_kind(&mut self, element: &Element<'a>, name: &str, type_name: &str) -> JointKind {
+        match type_name {
+            "fixed" => JointKind::Fixed,
+            "revolute" => JointKind::Revolute { axis: self.axis(element, name) },
+            "continuous" => JointKind::Continuous { axis: self.axis(element, name) },
+            "prismatic" => JointKind::Prismatic { axis: self.axis(element, name) },
+            "planar" => JointKind::Planar { normal: self.axis(element, name) },
+            "floating" => JointKind::Floating,
+            "spherical" | "ball" => JointKind::Spherical,
+            other => {
+                self.refuse(UrdfError::UnknownJointType {
+                    line: element.line,
+                    joint: excerpt(name),
+                    found: excerpt(other),
+                });
+                JointKind::Continuous { axis: self.axis(element, name) }
+            }
+        }
+    }
+
     fn link_of(&mut self, joint: &Element<'a>, role: &'static str) -> &'a str {
         let advice = "write <parent link=\"NAME\"/> and <child link=\"NAME\"/>";
         let Some(element) = self.required_child(joint, role, advice) else { return "" };
@@ -70,7 +87,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The axis in the joint's frame, as written; (1, 0, 0) by default.
-    fn axis(&mut self, joint: &Element<'a>, name: &str) -> [f64; 3] {
+    pub(crate) fn axis(&mut self, joint: &Element<'a>, name: &str) -> [f64; 3] {
         let Some(element) = self.child(joint, "axis") else {
             self.report_default(joint, "no <axis>: taken as xyz=\"1 0 0\"");
             return DEFAULT_AXIS;

@@ -38,6 +38,7 @@ mod load;
 
 // XML elements, and the report of everything that is not read.
 mod attribute;
+mod drake;
 mod element;
 mod reader;
 mod unread_parts;

@@ -8,6 +8,7 @@ use robot_dynamics_description::{Base, Disposition, LinkDescription, LoadReport,
 use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
 
+use crate::drake::is_drake;
 use crate::element::Element;
 use crate::reader::Reader;
 use crate::shapes::Appearance;
@@ -129,6 +130,9 @@ fn read_robot<'a>(
     element: &Element<'a>,
     path: Option<&Path>,
 ) -> Result<Robot, LoadError> {
+    let is_joint = |node: Node<'_, '_>| is_drake(node, "joint") && node.has_attribute("type");
+    reader.understood.extend(element.node.children().filter(|&node| is_joint(node)).map(|node| node.id()));
+    let reflected = reader.reflected_inertias(element);
     reader.list_unread(element, &["name", "version"], &["link", "joint"], UnknownPart::Harmless);
     let name = path.and_then(Path::file_stem).map(|name| name.to_string_lossy());
     let mut robot = RobotDescription::new(robot_name(&mut reader, element, name.as_deref()));
@@ -142,12 +146,13 @@ fn read_robot<'a>(
             reader.list_unread(&link, &["name"], &["inertial"], UnknownPart::Harmless);
             inertials.push(reader.inertial(&link));
             robot.links.push(LinkDescription::new(name, None));
-        } else if reader.is(node, "joint") {
+        } else if reader.is(node, "joint") || is_joint(node) {
             let joint = reader.named_element(node, "joint");
             lines.joints.push(joint.line);
             robot.joints.push(reader.joint(&joint));
         }
     }
+    reader.add_reflected_inertias(&mut robot, &reflected);
     world::add_missing_world(&mut reader, &mut robot, &mut lines);
     let extents = extents(&robot);
     for ((link, inertial), extent) in robot.links.iter_mut().zip(&inertials).zip(extents) {

@@ -1,7 +1,9 @@
 //! The state of reading one file: options, report and errors.
 
+use std::collections::HashSet;
+
 use robot_dynamics_description::{Disposition, Finding, LoadReport, Severity};
-use robot_dynamics_xml::roxmltree::Node;
+use robot_dynamics_xml::roxmltree::{Node, NodeId};
 use robot_dynamics_xml::{Lines, excerpt};
 
 use crate::element::Element;
@@ -17,6 +19,8 @@ pub(crate) struct Reader<'a> {
     /// written.
     pub(crate) refused_warnings: Vec<UrdfError>,
     lines: Lines,
+    /// Foreign elements that are read.
+    pub(crate) understood: HashSet<NodeId>,
     /// The namespace of `<robot>`. Elements of other namespaces are foreign.
     namespace: Option<&'a str>,
 }
@@ -29,6 +33,7 @@ impl<'a> Reader<'a> {
             errors: Vec::new(),
             refused_warnings: Vec::new(),
             lines: Lines::of(text),
+            understood: HashSet::new(),
             namespace: root.tag_name().namespace(),
         }
     }

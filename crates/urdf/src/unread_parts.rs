@@ -104,7 +104,10 @@ impl<'a> Reader<'a> {
                     element.place.clone(),
                     format!("stray text {:?}", excerpt(text.trim())),
                 );
-            } else if !node.is_element() || (self.is_own(node) && children.contains(&name)) {
+            } else if !node.is_element()
+                || (self.is_own(node) && children.contains(&name))
+                || self.understood.contains(&node.id())
+            {
                 // Read elsewhere, or a comment.
             } else if self.is_own(node) && APPEARANCE_ELEMENTS.contains(&name) {
                 self.report.counts.not_dynamics += 1;
@@ -135,6 +138,9 @@ impl<'a> Reader<'a> {
             self.report_ignored(line, place.clone(), "unknown element");
         }
         for inner in node.descendants().filter(Node::is_element) {
+            if self.understood.contains(&inner.id()) {
+                continue;
+            }
             let line = self.line(inner);
             let name = inner.tag_name().name();
             if is_physics(inner) {

@@ -3,7 +3,7 @@
 //! `messages.rs` has the text of each warning.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use robot_dynamics::description::Base;
+use robot_dynamics::description::{Base, JointKind};
 use robot_dynamics::model::Model;
 use robot_dynamics_urdf::{Disposition, LoadOptions, Robot, Severity, UrdfError, parse};
 
@@ -270,6 +270,53 @@ fn old_and_unknown_elements_of_joints_are_physics_if_they_act() {
     assert_eq!(joint(r#"<motor rotor_inertia="0" gear_ratio="1"/>"#).1, 0);
     assert!(joint(r#"<motor rotor_inertia="0.1" gear_ratio="1"/>"#).1 > 0);
     assert!(joint(r#"<motor curvature="0"/>"#).1 > 0);
+}
+
+/// Joints and reflected inertias of Drake, by its definitions: a screw advances by its pitch per turn, and
+/// the inertia of a rotor counts ratio² times.
+#[test]
+fn extensions_of_drake_are_read() {
+    let body = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>"#;
+    let joint = |name: &str, kind: &str, parent: &str, content: &str| {
+        format!(
+            r#"<link name="{name}">{body}</link><drake:joint name="j{name}" type="{kind}"><parent link="{parent}"/><child link="{name}"/>{content}</drake:joint>"#
+        )
+    };
+    let text = |screw: &str, motor: &str| {
+        format!(
+            r#"<robot name="r" xmlns:drake="http://drake.mit.edu"><link name="a"/>{}{}{}{}{motor}</robot>"#,
+            joint("b", "universal", "a", ""),
+            joint("c", "ball", "b", ""),
+            joint("d", "planar", "c", ""),
+            joint("e", "screw", "d", screw),
+        )
+    };
+    let motor = |joint: &str| {
+        format!(
+            r#"<transmission name="t"><type>SimpleTransmission</type><joint name="{joint}"/><actuator name="m">
+               <drake:gear_ratio value="50"/><drake:rotor_inertia value="1e-4"/></actuator></transmission>"#
+        )
+    };
+    let screw = r#"<axis xyz="0 0 1"/><drake:screw_thread_pitch value="0.004"/>"#;
+    let robot = read(&text(screw, &motor("je")));
+    let kinds: Vec<JointKind> = robot.description.joints.iter().map(|joint| joint.kind).collect();
+    let pitch = 0.004 / core::f64::consts::TAU;
+    assert_eq!(
+        kinds,
+        [
+            JointKind::Universal { first: [1.0, 0.0, 0.0], second: [0.0, 1.0, 0.0] },
+            JointKind::Spherical,
+            JointKind::Planar { normal: [0.0, 0.0, 1.0] },
+            JointKind::Helical { axis: [0.0, 0.0, 1.0], pitch },
+        ]
+    );
+    let armature = robot.description.joints[3].passive.armature;
+    assert!((armature - 0.25).abs() < 1e-15, "{armature}");
+    assert_eq!(robot.report.counts.warnings, 0, "{}", robot.report);
+    // Without its joint a rotor is reported, and a screw needs its pitch.
+    assert!(read(&text(screw, &motor("none"))).report.counts.warnings > 0);
+    let refused = parse(&text("", ""), &LoadOptions::default()).expect_err("a pitch is missing");
+    assert!(matches!(refused.errors(), [UrdfError::MissingElement { .. }]), "{refused}");
 }
 
 /// Markup that other readers take is taken, with a warning that a strict reading refuses.
