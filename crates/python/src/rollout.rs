@@ -180,7 +180,7 @@ impl<'py> RolloutRequest<'_, 'py> {
             rollout(model, workspace, &how, torques, states, Some(&until(cancelled)))
         });
         T::batches(self.robot).give(memory);
-        self.bad(outcome?)
+        bad_states(outcome?)
     }
 
     /// The same with a stepper.
@@ -206,7 +206,7 @@ impl<'py> RolloutRequest<'_, 'py> {
             rollout_by_stepper(model, workspace, &how, torques, states, Some(&until(cancelled)))
         });
         f64::batches(self.robot).give(memory);
-        self.bad(outcome?)
+        bad_states(outcome?)
     }
 
     fn torques<'a, T>(&self, tau: &'a [T]) -> batch::Torques<'a, T> {
@@ -216,13 +216,14 @@ impl<'py> RolloutRequest<'_, 'py> {
             _ => batch::Torques::Held(tau),
         }
     }
+}
 
-    fn bad(&self, outcome: Result<(), RolloutError>) -> PyResult<Vec<usize>> {
-        match outcome {
-            Ok(()) => Ok(Vec::new()),
-            Err(RolloutError::BadStates(bad)) => Ok(bad.states),
-            Err(error) => Err(exception(error)),
-        }
+/// The states that the rollout could not advance.
+fn bad_states(outcome: Result<(), RolloutError>) -> PyResult<Vec<usize>> {
+    match outcome {
+        Ok(()) => Ok(Vec::new()),
+        Err(RolloutError::BadStates(bad)) => Ok(bad.states),
+        Err(error) => Err(exception(error)),
     }
 }
 

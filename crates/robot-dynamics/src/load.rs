@@ -81,7 +81,7 @@ impl LoadedDescription {
         let Self { description, report, .. } = self;
         match compile(description) {
             Ok(model) => Ok(Robot { model, report }),
-            Err(source) => Err(FileError::Model { source, report: Box::new(report) }),
+            Err(source) => Err(FileError::Model { source: Box::new(source), report: Box::new(report) }),
         }
     }
 }
@@ -115,7 +115,7 @@ pub enum FileError {
     #[error("{source}")]
     Model {
         /// The problem of the description.
-        source: ModelError,
+        source: Box<ModelError>,
         /// The warnings and notes on the file.
         report: Box<LoadReport>,
     },

@@ -52,7 +52,7 @@ fn name() -> String {
 fn errors_of_files_and_descriptions() {
     let refused = load_description_from_text("<robot/>", &LoadOptions::default()).expect_err("no links");
     check(refused, File);
-    check(FileError::Model { source: ModelError::NoLinks, report: Box::default() }, Description);
+    check(FileError::Model { source: Box::new(ModelError::NoLinks), report: Box::default() }, Description);
     let refused = load_description_from_text(
         "<mujoco><worldbody><joint/></worldbody></mujoco>",
         &LoadOptions::default(),

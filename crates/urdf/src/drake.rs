@@ -96,22 +96,19 @@ impl<'a> Reader<'a> {
     ) {
         for ReflectedInertia { element, joint: name, value } in reflected {
             let moves = |kind| !matches!(kind, JointKind::Fixed);
-            match robot.joints.iter_mut().find(|joint| joint.name == *name && moves(joint.kind)) {
-                Some(joint) => {
-                    joint.passive.armature += value;
-                    let message = format!(
-                        "the reflected inertia gear_ratio²·rotor_inertia = {value} is added to the armature of joint {:?}",
-                        excerpt(name)
-                    );
-                    self.report_default(element, message);
-                }
-                None => {
-                    let message = format!(
-                        "the reflected inertia {value} is not in the model: there is no moving joint {:?}",
-                        excerpt(name)
-                    );
-                    self.report_ignored_physics(element.line, element.place.clone(), message);
-                }
+            let own = robot.joints.iter_mut().find(|joint| joint.name == *name && moves(joint.kind));
+            let name = excerpt(name);
+            if let Some(joint) = own {
+                joint.passive.armature += value;
+                let message = format!(
+                    "the reflected inertia gear_ratio²·rotor_inertia = {value} is added to the armature of joint {name:?}"
+                );
+                self.report_default(element, message);
+            } else {
+                let message = format!(
+                    "the reflected inertia {value} is not in the model: there is no moving joint {name:?}"
+                );
+                self.report_ignored_physics(element.line, element.place.clone(), message);
             }
         }
     }

@@ -106,15 +106,12 @@ pub fn parse<R>(
     }
     format::refuse_other_formats(text.as_bytes())?;
     scan::refuse_hostile(text, depth)?;
-    match Document::parse(text) {
-        Ok(document) => Ok(read(&document, &[])),
-        Err(_) => {
-            let repaired = repair::repair(text, depth)?;
-            let text = &repaired.text;
-            let document = Document::parse(text).map_err(|error| bad_xml(&error, text))?;
-            Ok(read(&document, &repaired.faults))
-        }
+    if let Ok(document) = Document::parse(text) {
+        return Ok(read(&document, &[]));
     }
+    let repaired = repair::repair(text, depth)?;
+    let document = Document::parse(&repaired.text).map_err(|error| bad_xml(&error, &repaired.text))?;
+    Ok(read(&document, &repaired.faults))
 }
 
 /// The error of the parser, without the position in its text. The position of an incomplete text is its end.

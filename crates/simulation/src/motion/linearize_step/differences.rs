@@ -175,7 +175,9 @@ impl<'a> PerturbedSteps<'a> {
         let mut slope = vec![0.0; 2 * nv];
         difference(self.model, &from.0, &to.0, &mut slope[..nv]);
         (0..nv).for_each(|i| slope[nv + i] = to.1[i] - from.1[i]);
-        slope.iter_mut().for_each(|slope| *slope /= by);
+        for entry in &mut slope {
+            *entry /= by;
+        }
         slope
     }
 
