@@ -147,9 +147,9 @@ export default {
       await chart.locator('canvas').waitFor();
       const box = await chart.locator('.u-over').boundingBox();
       await person.page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-      const energy = (await chart.locator('.legend .at').allTextContents()).map(Number);
-      near(energy[0], 17.342, 2e-3, 'the arm’s energy');
-      assert.ok(Math.abs(energy[1] - 17.342) > 0.05, `the fork’s energy is ${energy[1]} J`);
+      const energies = (await chart.locator('.legend .at').allTextContents()).map(Number);
+      near(energies[0], 17.342, 2e-3, 'the arm’s energy');
+      assert.ok(Math.abs(energies[1] - 17.342) > 0.05, `the fork’s energy is ${energies[1]} J`);
       const apart = person.section.locator('.plot', { hasText: 'Distance of the tips' }).locator('.legend .at');
       assert.match(await apart.textContent(), /\d/, 'the other plot is read as well');
       await person.press('Copy link to this state');

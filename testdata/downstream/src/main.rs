@@ -18,7 +18,7 @@ use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
 use robot_dynamics::simulation::{
     Effect, GravityCompensatedPd, Integrator, Method, RunOptions, Simulation, SimulationBuilder, StepForces,
 };
-use robot_dynamics::{LoadOptions, load_description, load, load_with};
+use robot_dynamics::{LoadOptions, load, load_description, load_with};
 
 type Outcome = Result<String, Box<dyn Error>>;
 
