@@ -92,7 +92,8 @@ fn failed_simulations_do_not_affect_others() {
             expected.push((number, failure));
         }
     }
-    assert_eq!(failed, expected);
+    // As texts, because the first error contains NaN.
+    assert_eq!(format!("{failed:?}"), format!("{expected:?}"));
     assert_eq!(failed.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 9, 12]);
     assert!(matches!(failed[1].1, RunError::Diverged { .. }), "{}", failed[1].1);
     for (number, (own, other)) in single.iter().zip(batch.simulations()).enumerate() {
