@@ -10,7 +10,7 @@ use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 pub enum InertiaError {
     /// A number is not finite, a mass, a density or a length is not positive, or a composite body has no
     /// parts.
-    Input(InvalidInput),
+    Input(Box<InvalidInput>),
     /// The inertia matrix is not symmetric.
     NotSymmetric {
         /// Row of the worse of the two entries.
@@ -87,7 +87,7 @@ impl core::error::Error for InertiaError {}
 
 impl From<InvalidInput> for InertiaError {
     fn from(error: InvalidInput) -> Self {
-        Self::Input(error)
+        Self::Input(Box::new(error))
     }
 }
 
