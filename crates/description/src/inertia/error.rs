@@ -111,7 +111,7 @@ pub fn six_digits(x: f64) -> String {
 /// Rejects a list with a NaN or an infinity.
 pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InvalidInput> {
     match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(InvalidInput::unmet(format!("{quantity}[{index}]"), "is not finite")),
+        Some(index) => Err(not_finite(quantity, index)),
         None => Ok(()),
     }
 }
@@ -119,8 +119,26 @@ pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), Inval
 /// Rejects a number that is not finite and positive.
 pub(super) fn positive(quantity: &'static str, value: f64) -> Result<(), InvalidInput> {
     finite(quantity, &[value])?;
-    if value > 0.0 {
-        return Ok(());
-    }
-    Err(InvalidInput::unmet(format!("the {quantity}"), format!("is {value}; it must be positive")))
+    if value > 0.0 { Ok(()) } else { Err(not_positive(quantity, value)) }
+}
+
+// These functions are not inlined, so that the code of their texts occurs once in a program.
+
+#[cold]
+#[inline(never)]
+fn not_finite(quantity: &'static str, index: usize) -> InvalidInput {
+    InvalidInput::unmet(format!("{quantity}[{index}]"), "is not finite")
+}
+
+#[cold]
+#[inline(never)]
+fn not_positive(quantity: &'static str, value: f64) -> InvalidInput {
+    InvalidInput::unmet(format!("the {quantity}"), format!("is {value}; it must be positive"))
+}
+
+/// The error of a negative mass.
+#[cold]
+#[inline(never)]
+pub(super) fn negative_mass(mass: f64) -> InvalidInput {
+    InvalidInput::unmet("the mass", format!("is {mass} kg; a body's mass is zero or positive"))
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use robot_dynamics_number::InvalidInput;
 
-use super::error::{finite, positive};
+use super::error::{finite, negative_mass, positive};
 use super::{InertiaError, PrincipalInertia, parallel_axis};
 
 /// The tolerance for symmetry and the triangle inequality, relative to the largest entry or moment. A flat
@@ -90,8 +90,7 @@ impl MassProperties {
     ) -> Result<Self, InertiaError> {
         finite("mass", &[mass])?;
         if mass < 0.0 {
-            let problem = format!("is {mass} kg; a body's mass is zero or positive");
-            return Err(InvalidInput::unmet("the mass", problem).into());
+            return Err(negative_mass(mass).into());
         }
         finite("center of mass", center_of_mass.as_slice())?;
         // nalgebra stores columns; the transpose gives the entries row by row.
