@@ -99,12 +99,23 @@ impl From<InvalidInput> for InertiaError {
 /// assert_eq!(robot_dynamics_description::six_digits(1.0 / 3.0), "0.333333");
 /// ```
 pub fn six_digits(x: f64) -> String {
-    // The exponent form rounds to six digits; parsing it back drops trailing zeros.
-    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
-    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
+    // The exponent form rounds to six digits. The rest moves its point: a parser of floats and its tables
+    // would be 10 kB of a page.
+    let rounded = format!("{x:.5e}");
+    let Some((mantissa, exponent)) = rounded.split_once('e') else { return rounded };
+    let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+    let digits = mantissa.trim_start_matches('-').replace('.', "");
+    let sign = if mantissa.starts_with('-') { "-" } else { "" };
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    match usize::try_from(exponent) {
+        _ if digits == "0" => format!("{sign}0"),
+        Ok(after @ 0..=6) if after + 1 >= digits.len() => format!("{sign}{digits:0<0$}", after + 1),
+        Ok(after @ 0..=6) => format!("{sign}{}.{}", &digits[..=after], &digits[after + 1..]),
+        Err(_) if exponent >= -4 => {
+            let width = digits.len() + exponent.unsigned_abs() as usize - 1;
+            format!("{sign}0.{digits:0>width$}")
+        }
+        _ => format!("{mantissa}e{exponent}"),
     }
 }
 
@@ -141,4 +152,38 @@ fn not_positive(quantity: &'static str, value: f64) -> InvalidInput {
 #[inline(never)]
 pub(super) fn negative_mass(mass: f64) -> InvalidInput {
     InvalidInput::unmet("the mass", format!("is {mass} kg; a body's mass is zero or positive"))
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_dynamics_number::SplitMix64;
+
+    use super::six_digits;
+
+    /// The text is the shortest one of the number rounded to six digits, as Rust prints it.
+    #[test]
+    fn six_digits_are_those_of_the_rounded_number() {
+        let by_parsing = |x: f64| {
+            let rounded: f64 = format!("{x:.5e}").parse().expect("a number");
+            if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
+                format!("{rounded}")
+            } else {
+                format!("{rounded:e}")
+            }
+        };
+        let mut random = SplitMix64::new(7);
+        let check = |x: f64| assert_eq!(six_digits(x), by_parsing(x), "{x:e}");
+        for x in
+            [0.0, -0.0, 1.0, -10.0, 1e-4, 9.999_999e-5, 9_999_999.0, 1e7, 123_456.0, f64::INFINITY, f64::NAN]
+        {
+            check(x);
+        }
+        for exponent in -12..12 {
+            for _ in 0..200 {
+                let x = random.uniform(-10.0, 10.0);
+                check(x * 10_f64.powi(exponent));
+                check((x * 10.0).round() * 10_f64.powi(exponent));
+            }
+        }
+    }
 }
