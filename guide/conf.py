@@ -50,6 +50,26 @@ add_module_names = False
 toc_object_entries_show_parents = "hide"
 
 
+class _DefaultValue:
+    """A default value by its name. Only the compiled module has the value."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def __repr__(self):
+        return self.name
+
+    def __iter__(self):
+        yield _DefaultValue("...")
+
+
+class _DefaultValues(dict):
+    """The default values of signatures, which show their names."""
+
+    def __missing__(self, name):
+        return _DefaultValue(f"defaults.{name.upper()}")
+
+
 def _load_stubs() -> None:
     """Installs the stubs in place of the compiled module; they have its names, signatures and docstrings."""
     name, path = "robot_dynamics._native", ROOT / "python" / "robot_dynamics" / "_native.pyi"
@@ -63,6 +83,7 @@ def _load_stubs() -> None:
     module.__version__ = ""
     sys.modules[name] = module
     exec(compile(source, str(path), "exec", __future__.annotations.compiler_flag), module.__dict__)
+    module._defaults = _DefaultValues
 
 
 sys.path.insert(0, str(ROOT / "python"))
