@@ -104,7 +104,8 @@ impl ImplicitIntegrator {
         land_on_stops(&joints.stops, q, q1);
     }
 
-    /// Returns joints to the equalities, or to the stops if there are none, in a robot without contacts.
+    /// Returns the joints of a robot without contacts to the equality constraints. If the robot has none, it
+    /// returns them to the stops.
     fn return_to_constraints(
         &mut self,
         model: &Model,
