@@ -9,16 +9,18 @@ const FORMATS: [(&[u8], &str, &str); 13] = [
     // 54321, the first number of the header.
     (&[0x31, 0xd4, 0, 0], "a compiled MuJoCo model", MJB),
     (b"MJB", "a compiled MuJoCo model", MJB),
-    (b"PK\x03\x04", "a ZIP archive", "unpack it, and load the robot's URDF or MJCF file"),
-    (&[0x1f, 0x8b], "a gzip archive", "unpack it, and load the robot's URDF or MJCF file"),
+    (b"PK\x03\x04", "a ZIP archive", ARCHIVE),
+    (&[0x1f, 0x8b], "a gzip archive", ARCHIVE),
     (b"glTF", "a glTF mesh", MESH),
     (b"solid", "an STL mesh", MESH),
     (b"ply", "a PLY mesh", MESH),
-    (b"%PDF", "a PDF document", "load the robot's URDF or MJCF file"),
-    (b"\x89PNG", "a PNG image", "load the robot's URDF or MJCF file"),
-    (b"\x7fELF", "a program", "load the robot's URDF or MJCF file"),
-    (b"{", "JSON", "load the robot's URDF or MJCF file"),
+    (b"%PDF", "a PDF document", ROBOT),
+    (b"\x89PNG", "a PNG image", ROBOT),
+    (b"\x7fELF", "a program", ROBOT),
+    (b"{", "JSON", ROBOT),
 ];
+const ROBOT: &str = "load the robot's URDF or MJCF file";
+const ARCHIVE: &str = "unpack it, and load the robot's URDF or MJCF file";
 const USD: &str = "it is not read; export URDF or MJCF";
 const MJB: &str = "load the XML file that it was compiled from, or save one with mj_saveLastXML";
 const MESH: &str = "load the URDF or MJCF file that names it";
