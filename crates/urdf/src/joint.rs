@@ -48,7 +48,7 @@ impl<'a> Reader<'a> {
             }
         } else {
             joint.limits = self.limits(element, kind);
-            joint.passive = self.passive_forces(element, kind);
+            joint.passive = self.passive_forces(element, passive, kind);
             joint.mimic = self.mimic(element);
         }
         self.report_read(

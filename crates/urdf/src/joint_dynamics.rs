@@ -9,9 +9,15 @@ use crate::unread_parts::UnknownPart;
 
 impl<'a> Reader<'a> {
     /// Reads damping and friction. Beyond the standard it reads the armature (rotor inertia through the gear)
-    /// and a spring: `armature`, `stiffness` or `spring_stiffness`, `rest` or `spring_reference`.
-    pub(crate) fn passive_forces(&mut self, joint: &Element<'a>, kind: JointKind) -> PassiveForces {
-        let Some(element) = self.child(joint, self.passive_forces_element(joint)) else {
+    /// and a spring: `armature`, `stiffness` or `spring_stiffness`, `rest` or `spring_reference`. `name` is
+    /// that of [`passive_forces_element`](Self::passive_forces_element).
+    pub(crate) fn passive_forces(
+        &mut self,
+        joint: &Element<'a>,
+        name: &str,
+        kind: JointKind,
+    ) -> PassiveForces {
+        let Some(element) = self.child(joint, name) else {
             self.report_default(joint, "no <dynamics>: no damping, no friction");
             return PassiveForces::default();
         };
