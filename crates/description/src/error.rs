@@ -131,6 +131,14 @@ pub enum ModelError {
         /// Its leader.
         leader: String,
     },
+    /// A change of the root link reverses a joint that has no equal reversed joint.
+    #[error("joint `{joint}` cannot be reversed: {reason}")]
+    Irreversible {
+        /// The joint.
+        joint: String,
+        /// The reason.
+        reason: &'static str,
+    },
     /// A nonzero passive force among the parameters of a floating base, which has none.
     #[error("`{joint}` is the floating base: it has no passive forces, its five parameters must be 0")]
     FloatingBase {
@@ -181,7 +189,7 @@ impl Classified for ModelError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::Follows { .. } | Self::Unwritable(_) => ErrorKind::Unsupported,
+            Self::Follows { .. } | Self::Irreversible { .. } | Self::Unwritable(_) => ErrorKind::Unsupported,
             _ => ErrorKind::Description,
         }
     }

@@ -41,7 +41,7 @@ mod written_file;
 
 pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
 pub use contact_pair::ContactPairDescription;
-pub use edit::moved_by;
+pub use edit::{EditNote, moved_by};
 pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;

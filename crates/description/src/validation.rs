@@ -10,9 +10,11 @@ mod tendons;
 mod tree;
 
 use self::actuators::check_actuators;
-use self::checks::{check, check_pose, index_names};
+pub(crate) use self::checks::check_pose;
+use self::checks::{check, index_names};
 use self::equalities::check_equalities;
-use self::joints::{check_joint, check_joint_forces};
+pub(crate) use self::joints::check_joint;
+use self::joints::check_joint_forces;
 use self::names::Names;
 use self::sensors::check_sensors;
 use self::tendons::check_tendons;

@@ -69,8 +69,8 @@ pub use writer::{Format, write};
 pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
-        Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
-        FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
+        Disposition, EARTH_GRAVITY, EditNote, Elevation, Equality, EqualityDescription, FLOATING_BASE,
+        Finding, FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
         JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
         Mimic, ModelError, Mount, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
         PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,

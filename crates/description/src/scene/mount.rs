@@ -40,3 +40,10 @@ impl Mount {
         Self { prefix: prefix.into(), ..self }
     }
 }
+
+/// The place of a pose in the world.
+impl From<Pose> for Mount {
+    fn from(world_from_robot: Pose) -> Self {
+        Self::at(world_from_robot)
+    }
+}

@@ -3,7 +3,8 @@
 use robot_dynamics_number::check_positive;
 
 use crate::{
-    Base, LinkDescription, LinkShape, ModelError, Pose, RobotDescription, Shape, ShapeRole, Surface,
+    Base, LinkDescription, LinkShape, MassProperties, ModelError, Pose, RobotDescription, Shape, ShapeRole,
+    Surface,
 };
 
 /// A rigid body of one shape: a box on a table, a wall, a floor.
@@ -15,6 +16,8 @@ pub struct Object {
     pub shape: Shape,
     /// Mass \[kg\], uniformly distributed; `None` for an object that is fixed to the world.
     pub mass: Option<f64>,
+    /// Mass properties in the object's frame in place of those of `mass` and `shape`, for example of a mesh.
+    pub mass_properties: Option<MassProperties>,
     /// Friction and the other contact parameters.
     pub surface: Surface,
     /// Red, green, blue and opacity, 0 to 1.
@@ -24,7 +27,14 @@ pub struct Object {
 impl Object {
     /// Geometry that is fixed to the world.
     pub fn fixed(name: impl Into<String>, shape: Shape) -> Self {
-        Self { name: name.into(), shape, mass: None, surface: Surface::default(), color: None }
+        Self {
+            name: name.into(),
+            shape,
+            mass: None,
+            mass_properties: None,
+            surface: Surface::default(),
+            color: None,
+        }
     }
 
     /// A free body of this mass \[kg\].
@@ -45,6 +55,44 @@ impl Object {
         Self::of_mass(name, shape, mass)
     }
 
+    /// The half space below z = 0, fixed to the world, with the name `ground`.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Object, Shape};
+    /// assert!(matches!(Object::ground().with_friction(0.6).shape, Shape::Plane { .. }));
+    /// ```
+    pub fn ground() -> Self {
+        Self::fixed("ground", Shape::Plane { half_size: [0.0; 2] })
+    }
+
+    /// A body with these mass properties in its own frame, for example a mesh.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{MassProperties, Object, Shape};
+    /// let body = MassProperties::solid_box(500.0, [0.1, 0.1, 0.2].into())?;
+    /// let mug = Object::with_mass_properties("mug", Shape::mesh("mug.stl"), body);
+    /// assert_eq!(mug.mass_properties.map(|body| body.mass()), Some(1.0));
+    /// # Ok::<(), robot_dynamics::description::InertiaError>(())
+    /// ```
+    pub fn with_mass_properties(
+        name: impl Into<String>,
+        shape: Shape,
+        mass_properties: MassProperties,
+    ) -> Self {
+        Self { mass_properties: Some(mass_properties), ..Self::fixed(name, shape) }
+    }
+
+    /// With this coefficient of sliding friction.
+    pub fn with_friction(mut self, friction: f64) -> Self {
+        self.surface.friction[0] = friction;
+        self
+    }
+
+    /// Whether it has a mass, so that it can move.
+    pub(super) fn has_mass(&self) -> bool {
+        self.mass.is_some() || self.mass_properties.is_some()
+    }
+
     /// With these contact parameters.
     pub fn with_surface(self, surface: Surface) -> Self {
         Self { surface, ..self }
@@ -57,10 +105,11 @@ impl Object {
 
     /// A robot of one link.
     pub(super) fn description(&self) -> Result<RobotDescription, ModelError> {
-        let Self { name, shape, mass, surface, color } = self;
-        let mass_properties = match mass {
-            None => None,
-            Some(mass) => {
+        let Self { name, shape, mass, mass_properties, surface, color } = self;
+        let mass_properties = match (mass_properties, mass) {
+            (Some(given), _) => Some(*given),
+            (None, None) => None,
+            (None, Some(mass)) => {
                 let volume = shape.volume().unwrap_or(f64::NAN);
                 check_positive(&format!("the mass of object `{name}`"), *mass, "kg")?;
                 check_positive(&format!("the volume of object `{name}`"), volume, "m³")?;
@@ -69,7 +118,7 @@ impl Object {
             }
         };
         let mut robot = RobotDescription::new(name);
-        robot.base = if mass.is_some() { Base::Floating } else { Base::Fixed };
+        robot.base = if self.has_mass() { Base::Floating } else { Base::Fixed };
         robot.links.push(LinkDescription::new(name, mass_properties));
         robot.shapes.push(LinkShape {
             name: name.clone(),

@@ -28,7 +28,7 @@ pub(super) fn check(
 }
 
 /// RᵀR = 1 and det R = 1 up to 1e-6: looser than rounding, but tight enough to detect a wrong matrix.
-pub(super) fn check_pose(owner: &str, pose: &Pose) -> Result<(), ModelError> {
+pub(crate) fn check_pose(owner: &str, pose: &Pose) -> Result<(), ModelError> {
     for x in pose.translation {
         check(x.is_finite(), owner, "translation", x, "finite")?;
     }

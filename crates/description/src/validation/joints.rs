@@ -3,7 +3,7 @@
 use super::checks::{check, check_pose, check_range, check_terms};
 use crate::{JointDescription, JointKind, ModelError};
 
-pub(super) fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
+pub(crate) fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
     let owner = format!("joint `{}`", joint.name);
     check_pose(&owner, &joint.parent_from_joint)?;
     let axes: &[[f64; 3]] = match &joint.kind {
