@@ -53,6 +53,7 @@ ARGUMENTS = {
     "name": "str",
     "kind": "str",
     "source": "str",
+    "srdf": "str | None",
     "path": "_Path",
     "folder": "_Path | None",
     "text": "str",

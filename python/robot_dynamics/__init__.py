@@ -74,7 +74,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullback,
     InverseDynamicsPullbackWithParameters,
 )
-from robot_dynamics.robot import Joint, Link, Robot
+from robot_dynamics.robot import EndEffector, Group, Joint, Link, Robot
 from robot_dynamics.scene import Scene
 from robot_dynamics.sensors import PointForce, Sensor
 from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
@@ -98,6 +98,7 @@ __all__ = [
     "DescriptionError",
     "DissipationPullback",
     "Dlqr",
+    "EndEffector",
     "EnergyAccount",
     "Event",
     "Finding",
@@ -110,6 +111,7 @@ __all__ = [
     "GenerateError",
     "GravityCompensatedPd",
     "Ground",
+    "Group",
     "HeightField",
     "IdentificationError",
     "IdentificationResult",

@@ -19,6 +19,7 @@ def load(
     repair_inertia: bool = False,
     package_path: Sequence[str | os.PathLike[str]] = (),
     confined: bool = False,
+    srdf: str | os.PathLike[str] | None = None,
 ) -> Robot:
     """Load a robot from a file of any format that the library reads.
 
@@ -43,6 +44,9 @@ def load(
         `AMENT_PREFIX_PATH`: packages, or folders that contain packages.
     confined : bool
         Whether the other files that the file names must be in its folder, for files that are not trusted.
+    srdf : path, optional
+        SRDF file of the robot: groups, poses, passive joints, the joint to the world, and pairs of links that
+        never touch. Without it no SRDF file is read, not even one beside the robot's file.
 
     Returns
     -------
@@ -67,6 +71,7 @@ def load(
         repair_inertia=repair_inertia,
         package_path=_folders(package_path),
         confined=confined,
+        srdf=None if srdf is None else os.fspath(srdf),
     )
     _warn(robot, os.fspath(path))
     return robot
@@ -80,6 +85,7 @@ def loads(
     repair_inertia: bool = False,
     package_path: Sequence[str | os.PathLike[str]] = (),
     assets: Mapping[str, bytes | str] | None = None,
+    srdf: str | None = None,
 ) -> Robot:
     """Load a robot from the text of a file; see `load`.
 
@@ -99,6 +105,8 @@ def loads(
     assets : mapping from str to bytes or str, optional
         Contents of the files that an MJCF text names, by their relative paths: included files, attached
         models and meshes. No file on the disk is read then.
+    srdf : str, optional
+        Content of the SRDF file of the robot; see `load`.
 
     Returns
     -------
@@ -139,6 +147,7 @@ def loads(
         repair_inertia=repair_inertia,
         package_path=_folders(package_path),
         assets=contents,
+        srdf=srdf,
     )
     _warn(robot, "the text")
     return robot

@@ -119,6 +119,36 @@ class CoordinateLimits:
     """Limits of torque or force [N·m or N]."""
 
 
+@dataclass(frozen=True)
+class Group:
+    """A group of links and joints, such as an arm for a motion planner."""
+
+    name: str
+    """Name of the group."""
+    links: tuple[str, ...]
+    """All its links, in the robot's order."""
+    joints: tuple[str, ...]
+    """All its joints, in the robot's order."""
+    chains: tuple[tuple[str, str], ...]
+    """Base link and tip link of the chains that the file lists."""
+    subgroups: tuple[str, ...]
+    """Groups that the file lists as a part of it."""
+
+
+@dataclass(frozen=True)
+class EndEffector:
+    """A group that is a tool, such as a gripper."""
+
+    name: str
+    """Name of the tool."""
+    group: str
+    """The group of its links and joints."""
+    parent_link: str
+    """The link that carries it."""
+    parent_group: str | None
+    """The group that moves it, if the file states one."""
+
+
 class Robot(_native.Robot):
     """Robot: an immutable model that any number of threads can share.
 
@@ -231,8 +261,29 @@ class Robot(_native.Robot):
 
     @cached_property
     def poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Named poses of the robot's file, such as MJCF keyframes: q (nq,) and v (nv,) by name."""
+        """Named poses of the file, MJCF keyframes or SRDF group states: q (nq,) and v (nv,) by name."""
         return {name: (np.array(q), np.array(v)) for name, q, v in self._poses()}
+
+    @cached_property
+    def groups(self) -> dict[str, Group]:
+        """Groups of links and joints by name, of the SRDF file given to `load`."""
+        groups = self._data[0].get("groups", ())
+        return {
+            group["name"]: Group(
+                group["name"],
+                tuple(group["links"]),
+                tuple(group["joints"]),
+                tuple((base, tip) for base, tip in group["chains"]),
+                tuple(group["subgroups"]),
+            )
+            for group in groups
+        }
+
+    @cached_property
+    def end_effectors(self) -> dict[str, EndEffector]:
+        """Groups that are tools, by the name of the tool, of the SRDF file given to `load`."""
+        tools = self._data[0].get("end_effectors", ())
+        return {tool["name"]: EndEffector(**tool) for tool in tools}
 
     def describe(self) -> dict[str, Any]:
         """Plain data of the robot: links, joints, frames, gravity and more; see `from_description`.

@@ -128,6 +128,26 @@ def test_packages_are_found_by_their_path(tmp_path: Path) -> None:
     assert str(mesh) not in str(rd.load(file, package_path=[tmp_path], confined=True).report.files)
 
 
+def test_an_srdf_file_adds_groups_and_poses(panda: rd.Robot, tmp_path: Path) -> None:
+    text = """<robot name="panda">
+      <group name="arm"><chain base_link="panda_link0" tip_link="panda_link8"/></group>
+      <group name="wrist"><joint name="panda_joint7"/></group>
+      <group_state name="bent" group="arm"><joint name="panda_joint4" value="-1.5"/></group_state>
+      <end_effector name="flange" group="wrist" parent_link="panda_link6" parent_group="arm"/>
+      <passive_joint name="panda_joint1"/></robot>"""
+    file = tmp_path / "panda.srdf"
+    file.write_text(text)
+    robot = rd.load(ROBOTS / "panda.urdf", srdf=file)
+    assert robot.groups["arm"].joints == (*panda.joint_names, "panda_joint8")
+    assert robot.groups["arm"].chains == (("panda_link0", "panda_link8"),)
+    assert robot.end_effectors == {"flange": rd.EndEffector("flange", "wrist", "panda_link6", "arm")}
+    assert robot.poses["bent"][0][3] == -1.5 and not robot.actuated_dofs[0] and robot.actuated_dofs[1]
+    assert robot == rd.loads((ROBOTS / "panda.urdf").read_text(), srdf=text) and panda.groups == {}
+    assert pickle.loads(pickle.dumps(robot)).groups == robot.groups
+    with pytest.raises(rd.LoadError, match="line 2.*did you mean `panda_joint7`"):
+        rd.loads((ROBOTS / "panda.urdf").read_text(), srdf='<robot name="panda">\n<passive_joint name="panda_joint71"/></robot>')
+
+
 def test_joints_without_inertia_are_named() -> None:
     text = (ROBOTS / "two_r.urdf").read_text()
     description = rd.loads(text).describe()

@@ -1,8 +1,8 @@
 //! The JSON output of `dynamics inspect`.
 
 use robot_dynamics::description::{
-    ActuatorDescription, Base, EqualityDescription, Limits, LinkShape, LoadReport, Mimic, NamedPose,
-    PassiveForces, SensorDescription, TendonDescription,
+    ActuatorDescription, Base, EndEffectorDescription, EqualityDescription, GroupDescription, Limits,
+    LinkShape, LoadReport, Mimic, NamedPose, PassiveForces, SensorDescription, TendonDescription,
 };
 use robot_dynamics::model::{Joint, Model};
 use serde::Serialize;
@@ -25,6 +25,8 @@ pub(crate) struct Inspection<'a> {
     equalities: &'a [EqualityDescription],
     sensors: &'a [SensorDescription],
     poses: &'a [NamedPose],
+    groups: &'a [GroupDescription],
+    end_effectors: &'a [EndEffectorDescription],
     shapes: &'a [LinkShape],
     singular_mass: Json<'a>,
     simulation: &'a DefaultSimulation,
@@ -103,6 +105,8 @@ impl<'a> Inspection<'a> {
             equalities: &description.equalities,
             sensors: &description.sensors,
             poses: &description.poses,
+            groups: &description.groups,
+            end_effectors: &description.end_effectors,
             shapes: &description.shapes,
             singular_mass: singular.json(),
             simulation,

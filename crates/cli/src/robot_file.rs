@@ -39,6 +39,10 @@ pub(crate) struct RobotFile {
     /// Refuse files outside the robot's folder that the file names, for files that are not trusted.
     #[arg(long)]
     confined: bool,
+    /// Add this SRDF file of the robot: groups, poses, passive joints, the joint to the world, and pairs of
+    /// links that never touch. Without it no SRDF file is read.
+    #[arg(long, value_name = "FILE.srdf")]
+    srdf: Option<PathBuf>,
     /// Lock joints: at JOINT=NUMBER, or at the position nearest to zero within the limits. A joint of several
     /// numbers takes them in a row. Locked joints become fixed joints.
     #[arg(long, value_name = "JOINT,…", allow_hyphen_values = true)]
@@ -71,6 +75,9 @@ impl RobotFile {
         ];
         let mut text: String =
             flags.iter().filter(|(is_given, _)| *is_given).map(|(_, flag)| *flag).collect();
+        if let Some(srdf) = &self.srdf {
+            text.extend([" --srdf ", &srdf.to_string_lossy()]);
+        }
         for locks in &self.lock {
             text.extend([" --lock ", &locks.to_string()]);
         }
@@ -101,6 +108,9 @@ impl RobotFile {
         }
         if self.confined {
             options = options.with_confined();
+        }
+        if let Some(srdf) = &self.srdf {
+            options = options.with_srdf(srdf);
         }
         for folder in &self.package_path {
             if !folder.is_dir() {

@@ -55,8 +55,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> CommandResult {
     interruption::end_between_steps()?;
     let touching = plan.setup.ground_links().to_vec();
     let columns = OptionalColumns { touching: &touching, has_losses: plan.setup.has_losses() };
-    let read: Vec<PathBuf> = report.files.iter().chain(&arguments.srdf).cloned().collect();
-    let mut files = open_files(arguments, &model, &read, columns)?;
+    let mut files = open_files(arguments, &model, &report.files, columns)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let Recording { recorder, files, ran, seconds } =

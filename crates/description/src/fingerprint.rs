@@ -4,7 +4,7 @@ use core::fmt::{self, Write};
 
 use crate::RobotDescription;
 
-/// The hash of everything that affects a robot's motion: all but its shapes, sensors and poses.
+/// The hash of everything that affects a robot's motion: all but its shapes, sensors, poses and groups.
 #[doc(hidden)]
 pub fn fingerprint(description: &RobotDescription) -> u64 {
     let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
@@ -24,6 +24,8 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
         actuators,
         sensors: _,
         poses: _,
+        groups: _,
+        end_effectors: _,
         actuated_joints,
         time_step: _,
         impratio: _,

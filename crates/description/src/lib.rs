@@ -14,6 +14,7 @@ mod error;
 mod finding_group;
 mod fingerprint;
 mod frame;
+mod group;
 mod inertia;
 mod joint;
 mod joint_kind;
@@ -47,6 +48,7 @@ pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
 pub use frame::FrameDescription;
+pub use group::{EndEffectorDescription, GroupDescription};
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
     six_digits,

@@ -14,6 +14,9 @@ pub struct NamedPose {
     pub positions: Vec<(String, Vec<f64>)>,
     /// Joints by name with their part of v; the others are at rest.
     pub velocities: Vec<(String, Vec<f64>)>,
+    /// The group whose joints it places, if the file states one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub group: Option<String>,
     /// The controls of all actuators, in order; empty if the file gives none.
     pub controls: Vec<f64>,
 }

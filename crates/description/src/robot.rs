@@ -9,8 +9,9 @@ use std::collections::{HashMap, HashSet};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ActuatorDescription, ContactPairDescription, EqualityDescription, FrameDescription, JointDescription,
-    JointKind, LinkShape, MassProperties, NamedPose, SensorDescription, TendonDescription,
+    ActuatorDescription, ContactPairDescription, EndEffectorDescription, EqualityDescription,
+    FrameDescription, GroupDescription, JointDescription, JointKind, LinkShape, MassProperties, NamedPose,
+    SensorDescription, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -58,6 +59,12 @@ pub struct RobotDescription {
     /// Named poses.
     #[cfg_attr(feature = "serde", serde(default))]
     pub poses: Vec<NamedPose>,
+    /// Groups of links and joints. No algorithm of dynamics reads them.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub groups: Vec<GroupDescription>,
+    /// The groups that are tools.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub end_effectors: Vec<EndEffectorDescription>,
     /// The joints that motors drive. `None` means all except floating ones. See `Model::actuated_dofs`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub actuated_joints: Option<Vec<String>>,
@@ -88,6 +95,8 @@ impl RobotDescription {
             actuators: Vec::new(),
             sensors: Vec::new(),
             poses: Vec::new(),
+            groups: Vec::new(),
+            end_effectors: Vec::new(),
             actuated_joints: None,
             time_step: None,
             impratio: None,

@@ -3,6 +3,7 @@
 mod actuators;
 mod checks;
 mod equalities;
+mod groups;
 mod joints;
 mod names;
 mod sensors;
@@ -13,6 +14,7 @@ use self::actuators::check_actuators;
 pub(crate) use self::checks::check_pose;
 use self::checks::{check, index_names};
 use self::equalities::check_equalities;
+use self::groups::check_groups;
 pub(crate) use self::joints::check_joint;
 use self::joints::check_joint_forces;
 use self::names::Names;
@@ -58,5 +60,6 @@ pub fn validate(description: &RobotDescription) -> Result<Tree, ModelError> {
     check_equalities(description, &names)?;
     check_actuators(description, &names)?;
     check_sensors(description, &names)?;
+    check_groups(description, &names)?;
     Ok(Tree { mimic_joints: order_mimic_joints(description, &joints)?, ..tree })
 }

@@ -52,8 +52,8 @@ impl FileSet {
     /// The text of a file.
     ///
     /// # Errors
-    /// The file is missing, too large, or not text.
-    pub(crate) fn text(&self, path: &Path) -> Result<String, robot_dynamics_xml::XmlError> {
+    /// [`XmlError`](robot_dynamics_xml::XmlError) if the file is missing, too large, or not text.
+    pub fn text(&self, path: &Path) -> Result<String, robot_dynamics_xml::XmlError> {
         let Some(bytes) = self.get(path) else {
             let source = std::io::Error::new(std::io::ErrorKind::NotFound, "it is not among the given files");
             return Err(robot_dynamics_xml::XmlError::Unreadable { path: path.to_owned(), source });

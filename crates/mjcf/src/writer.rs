@@ -61,6 +61,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     writer.write_actuators();
     writer.write_sensors();
     writer.write_poses();
+    writer.note_groups();
     writer.left_out.dedup();
     if writer.unwritable.is_empty() {
         Ok(WrittenFile::new(writer.xml.finish(), writer.left_out))
@@ -190,6 +191,15 @@ impl<'r> MjcfWriter<'r> {
                 format!("the name is reserved for the world: written as {name:?}"),
             );
             self.body_names[world] = name;
+        }
+    }
+
+    fn note_groups(&mut self) {
+        let robot = self.robot;
+        let groups = robot.groups.iter().map(|group| format!("group {:?}", excerpt(&group.name)));
+        let tools = robot.end_effectors.iter().map(|tool| format!("end effector {:?}", excerpt(&tool.name)));
+        for place in groups.chain(tools) {
+            self.add_note(&place, "it belongs to SRDF; MJCF has none");
         }
     }
 

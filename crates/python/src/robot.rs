@@ -13,7 +13,7 @@ use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::simulation::{SensorSet, Simulation};
 use robot_dynamics::{
-    LoadOptions, LoadedDescription, load_description, load_description_from_files,
+    LoadOptions, LoadedDescription, Srdf, load_description, load_description_from_files,
     load_description_from_text, with_native_code,
 };
 
@@ -186,9 +186,9 @@ type JointFields<'a> = (
 #[pymethods]
 impl Robot {
     /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of
-    /// `_state`. `assets` has the files that the text names.
+    /// `_state`. `assets` has the files that the text names. `srdf` is a path like `source`, or a text.
     #[new]
-    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=None, confined=false, assets=None))]
+    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=None, confined=false, srdf=None, assets=None))]
     fn new(
         py: Python<'_>,
         kind: &str,
@@ -198,10 +198,16 @@ impl Robot {
         repair_inertia: bool,
         package_path: Option<Vec<PathBuf>>,
         confined: bool,
+        srdf: Option<&Bound<'_, PyAny>>,
         assets: Option<Vec<(PathBuf, PyBackedBytes)>>,
     ) -> PyResult<Self> {
         let package_path = package_path.unwrap_or_default();
-        let options = LoadOptions { floating_base, strict, repair_inertia, package_path, confined };
+        let srdf = match (srdf, kind) {
+            (Some(path), "path") => Some(Srdf::File(path.extract()?)),
+            (Some(text), _) => Some(Srdf::Text(text.extract()?)),
+            (None, _) => None,
+        };
+        let options = LoadOptions { floating_base, strict, repair_inertia, package_path, confined, srdf };
         match kind {
             "path" => {
                 let path: PathBuf = source.extract()?;

@@ -61,7 +61,7 @@ pub use mesh::mesh_corners;
 #[cfg(feature = "native")]
 pub use robot_dynamics_functions::with_native_code;
 pub use robot_dynamics_mjcf::FileSet;
-pub use robot_dynamics_urdf::LoadOptions;
+pub use robot_dynamics_urdf::{LoadOptions, Srdf};
 pub use writer::{Format, write};
 
 /// A robot as its file describes it: links, joints, shapes, inertias, sensors, actuators, and the report of a
@@ -69,14 +69,15 @@ pub use writer::{Format, write};
 pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
-        Disposition, EARTH_GRAVITY, EditNote, Elevation, Equality, EqualityDescription, FLOATING_BASE,
-        Finding, FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
-        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
-        Mimic, ModelError, Mount, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
-        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
-        RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
-        SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
-        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        Disposition, EARTH_GRAVITY, EditNote, Elevation, EndEffectorDescription, Equality,
+        EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FrameDescription, GroupDescription,
+        InertiaError, JointDescription, JointKind, JointKinds, JointSolverImpedance, Limits, LinkDescription,
+        LinkShape, LoadCounts, LoadReport, MassProperties, Mimic, ModelError, Mount, NamedPose, Object,
+        PassiveForces, PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion,
+        RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription,
+        SensorKind, SensorObject, Severity, Shape, ShapeRole, SolverImpedance, Surface, TendonDescription,
+        TendonSolverImpedance, Transmission, UnsupportedFeature, WrittenFile, parallel_axis,
+        parallel_axis_planar, pendulum, random_robot,
     };
 }
 

@@ -4,10 +4,10 @@ use robot_dynamics_number::{Classified, ErrorKind};
 use std::path::Path;
 
 use robot_dynamics_mjcf::FileSet;
-use robot_dynamics_urdf::LoadOptions;
+use robot_dynamics_urdf::{LoadOptions, Srdf};
 use thiserror::Error;
 
-use crate::description::{LoadReport, ModelError, RobotDescription};
+use crate::description::{Base, Finding, JointDescription, LoadReport, ModelError, RobotDescription};
 use crate::model::Model;
 use crate::plausibility::WrittenAngles;
 use crate::simulation::SimulationBuilder;
@@ -111,6 +111,14 @@ pub enum FileError {
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
     Mjcf(#[from] robot_dynamics_mjcf::LoadError),
+    /// The SRDF file of the robot: see [`LoadOptions::srdf`].
+    #[error("{file}: {source}")]
+    Srdf {
+        /// Its path; empty for a text.
+        file: String,
+        /// Its errors.
+        source: robot_dynamics_urdf::LoadError,
+    },
     /// A file that was read, with an invalid description.
     #[error("{source}")]
     Model {
@@ -126,6 +134,7 @@ impl Classified for FileError {
         match self {
             Self::Urdf(error) => error.kind(),
             Self::Mjcf(error) => error.kind(),
+            Self::Srdf { source, .. } => source.kind(),
             Self::Model { source, .. } => source.kind(),
         }
     }
@@ -137,6 +146,9 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
             Self::Mjcf(error) => error.errors().iter().map(ToString::to_string).collect(),
+            Self::Srdf { file, source } => {
+                source.errors().iter().map(|error| format!("{file}: {error}")).collect()
+            }
             Self::Model { source, .. } => vec![source.to_string()],
         }
     }
@@ -146,6 +158,7 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.unlisted(),
             Self::Mjcf(error) => error.unlisted(),
+            Self::Srdf { source, .. } => source.unlisted(),
             Self::Model { .. } => 0,
         }
     }
@@ -160,7 +173,7 @@ impl FileError {
                 error.errors(),
                 [robot_dynamics_mjcf::MjcfError::Xml { file, source: robot_dynamics_xml::XmlError::Unreadable { .. } }] if file.is_empty()
             ),
-            Self::Model { .. } => false,
+            Self::Srdf { .. } | Self::Model { .. } => false,
         }
     }
 
@@ -169,6 +182,7 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.report(),
             Self::Mjcf(error) => error.report(),
+            Self::Srdf { source, .. } => source.report(),
             Self::Model { report, .. } => report,
         }
     }
@@ -180,7 +194,8 @@ impl FileError {
 /// URDF opens no other file. MJCF opens included and attached files, and the mesh files from which the
 /// inertia of a body comes. These files may be anywhere on the disk, unless the options confine them to the
 /// folder of the robot's file ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and
-/// opened for contact by [`Robot::simulation`].
+/// opened for contact by [`Robot::simulation`]. An SRDF file is read only if the options name it
+/// ([`LoadOptions::with_srdf`]).
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
@@ -238,11 +253,13 @@ pub fn load_description(
     // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
     let text = robot_dynamics_xml::read_file(path)
         .map_err(|error| robot_dynamics_urdf::LoadError::from(robot_dynamics_urdf::UrdfError::from(error)))?;
-    if is_mjcf(&text) {
-        Ok(robot_dynamics_mjcf::parse_as(&text, path, options)?.into())
+    let mut loaded = if is_mjcf(&text) {
+        robot_dynamics_mjcf::parse_as(&text, path, options)?.into()
     } else {
-        Ok(robot_dynamics_urdf::parse_as(&text, path, options)?.into())
-    }
+        robot_dynamics_urdf::parse_as(&text, path, options)?.into()
+    };
+    add_srdf(&mut loaded, options, None)?;
+    Ok(loaded)
 }
 
 /// Reads a robot from the text of a file, for example from a database or another program.
@@ -262,11 +279,13 @@ pub fn load_description(
 /// As [`load_description`].
 #[doc(alias = "describe_text")]
 pub fn load_description_from_text(text: &str, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
-    if is_mjcf(text) {
-        Ok(robot_dynamics_mjcf::parse(text, options)?.into())
+    let mut loaded = if is_mjcf(text) {
+        robot_dynamics_mjcf::parse(text, options)?.into()
     } else {
-        Ok(robot_dynamics_urdf::parse(text, options)?.into())
-    }
+        robot_dynamics_urdf::parse(text, options)?.into()
+    };
+    add_srdf(&mut loaded, options, None)?;
+    Ok(loaded)
 }
 
 /// Reads a robot file from files in memory, for example from a browser or an archive. They also provide the
@@ -292,11 +311,51 @@ pub fn load_description_from_files(
     options: &LoadOptions,
 ) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
-    match files.get(path).map(robot_dynamics_xml::text_of) {
-        Some(Ok(text)) if !is_mjcf(&text) => Ok(robot_dynamics_urdf::parse(&text, options)?.into()),
+    let mut loaded = match files.get(path).map(robot_dynamics_xml::text_of) {
+        Some(Ok(text)) if !is_mjcf(&text) => robot_dynamics_urdf::parse(&text, options)?.into(),
         // The MJCF reader reports files that are missing or not text.
-        _ => Ok(robot_dynamics_mjcf::load_from_files(files, path, options)?.into()),
+        _ => robot_dynamics_mjcf::load_from_files(files, path, options)?.into(),
+    };
+    add_srdf(&mut loaded, options, Some(files))?;
+    Ok(loaded)
+}
+
+/// Adds the SRDF file in the options, from files in memory or from the disk. Its findings follow those of the
+/// robot's file, with its name before their places.
+fn add_srdf(
+    loaded: &mut LoadedDescription,
+    options: &LoadOptions,
+    files: Option<&FileSet>,
+) -> Result<(), FileError> {
+    let Some(srdf) = &options.srdf else { return Ok(()) };
+    let (file, text) = match srdf {
+        Srdf::Text(text) => (String::from("SRDF"), Ok(text.clone())),
+        Srdf::File(path) => {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+            let text = match files {
+                Some(files) => files.text(path),
+                None => robot_dynamics_xml::read_file(path),
+            };
+            (name, text)
+        }
+    };
+    let refused = |source| FileError::Srdf { file: file.clone(), source };
+    let text = text.map_err(|error| refused(robot_dynamics_urdf::UrdfError::from(error).into()))?;
+    let LoadedDescription { description, report, .. } = loaded;
+    let added = robot_dynamics_urdf::add_srdf(description, &text, options).map_err(refused)?;
+    for finding in &added.findings {
+        let place = format!("{file}: {}", finding.place());
+        report.add(Finding::new(finding.line(), place, finding.disposition(), finding.message()));
     }
+    if let (Srdf::File(path), None) = (srdf, files) {
+        report.add_files([path.as_path()]);
+    }
+    let moves = |joint: &&JointDescription| joint.mimic.is_none();
+    let joints: usize = description.joints.iter().filter(moves).map(|joint| joint.kind.nv()).sum();
+    report.counts.links = description.links.len();
+    report.counts.joints = description.joints.len();
+    report.counts.degrees_of_freedom = joints + if description.base == Base::Floating { 6 } else { 0 };
+    Ok(())
 }
 
 impl From<robot_dynamics_urdf::Robot> for LoadedDescription {

@@ -95,6 +95,14 @@ impl<'a> Reader<'a> {
         Some(values)
     }
 
+    /// Any number of numbers in an attribute's text; `None` after an error.
+    pub(crate) fn list(&mut self, element: &Element<'a>, attribute: &str, text: &str) -> Option<Vec<f64>> {
+        let words = text.split_ascii_whitespace();
+        let read: Result<Vec<f64>, UrdfError> =
+            words.map(|word| element.parse_finite(attribute, text, word)).collect();
+        read.map_err(|error| self.refuse(error)).ok()
+    }
+
     fn or_refuse(&mut self, number: Result<f64, UrdfError>) -> f64 {
         number.unwrap_or_else(|error| {
             self.refuse(error);

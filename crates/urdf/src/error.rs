@@ -65,6 +65,19 @@ pub enum UrdfError {
     /// Well-formed XML of another kind.
     #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
     NotARobot { line: usize, found: String, advice: &'static str },
+    /// A name in an SRDF file that the robot or the file does not have. `near` advises another name.
+    #[error("line {line}: {place}: {owner} has no {what} {name:?}; {near}")]
+    UnknownName {
+        line: usize,
+        place: String,
+        owner: &'static str,
+        what: &'static str,
+        name: String,
+        near: String,
+    },
+    /// A statement of an SRDF file that has no meaning for the robot.
+    #[error("line {line}: {place}: {reason}")]
+    BadSemantics { line: usize, place: String, reason: String },
     /// A URDF file where an SRDF file belongs.
     #[error("line {line}: <{found}> belongs to URDF; give the SRDF file, which has <disable_collisions>")]
     NotSrdf { line: usize, found: String },
@@ -184,6 +197,8 @@ impl UrdfError {
             | Self::TooMany { line, .. }
             | Self::NotARobot { line, .. }
             | Self::NotSrdf { line, .. }
+            | Self::UnknownName { line, .. }
+            | Self::BadSemantics { line, .. }
             | Self::Unexpanded { line, .. }
             | Self::MissingAttribute { line, .. }
             | Self::MissingElement { line, .. }
@@ -214,6 +229,8 @@ impl UrdfError {
     pub fn place(&self) -> Option<String> {
         match self {
             Self::MissingAttribute { place, .. }
+            | Self::UnknownName { place, .. }
+            | Self::BadSemantics { place, .. }
             | Self::MissingElement { place, .. }
             | Self::EmptyName { place, .. }
             | Self::NotANumber { place, .. }

@@ -65,12 +65,12 @@ mod world;
 // The writer.
 mod writer;
 
-// SRDF: pairs of links without collisions.
+// SRDF: groups, poses, and pairs of links without collisions.
 mod srdf;
 
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use robot_dynamics_description::{Disposition, Finding, LoadCounts, LoadReport, Severity};
-pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
-pub use srdf::{disabled_collisions, load_disabled_collisions};
+pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT, Srdf};
+pub use srdf::{add_srdf, disabled_collisions, load_disabled_collisions};
 pub use writer::write;

@@ -105,7 +105,8 @@ fn read_text(text: &str, options: LoadOptions, path: Option<&Path>) -> Result<Ro
             return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
         }
         if is_srdf(&reader, root) {
-            let advice = "it adds groups and allowed collisions to a URDF file; load that file";
+            let advice =
+                "it adds groups and poses to a URDF file; load that file, with this one as its `srdf`";
             return Err(UrdfError::OtherFormat { format: "SRDF", advice }.into());
         }
         refuse_unexpanded(&reader, root, path)?;

@@ -1,16 +1,102 @@
-//! Reads SRDF: pairs of links without collisions.
+//! Reads SRDF, which adds groups, poses, passive joints, the joint to the world, and pairs of links without
+//! collisions to a robot.
 
-use std::collections::BTreeSet;
+mod groups;
+mod joints;
+mod pairs;
+mod semantics;
+mod states;
+
 use std::path::Path;
 
-use robot_dynamics_description::RobotDescription;
+use robot_dynamics_description::{LoadReport, RobotDescription};
 use robot_dynamics_xml::roxmltree::Node;
-use robot_dynamics_xml::{Lines, excerpt};
+use robot_dynamics_xml::{Budget, excerpt};
 
-use crate::{LoadError, UrdfError};
+use self::pairs::collision_pairs;
+use self::semantics::Semantics;
+use crate::element::Element;
+use crate::reader::Reader;
+use crate::unread_parts::UnknownPart;
+use crate::{LoadError, LoadOptions, UrdfError};
 
 /// The deepest nesting of elements. An SRDF file has three levels.
 const DEPTH_LIMIT: usize = 200;
+
+/// Adds the content of an SRDF file to a robot of any format.
+///
+/// - `<group>`: its links and joints, with those of its chains and subgroups. A link brings the joint above
+///   it, and a joint its child link, as in MoveIt.
+/// - `<group_state>`: a named pose. If several groups have states of one name, the names are `GROUP/NAME`.
+/// - `<passive_joint>`: not among the [actuated joints](RobotDescription::actuated_joints).
+/// - `<virtual_joint>` of the type `floating` or `planar`: a joint of this name to the root link, from a new
+///   root link named by `parent_frame`. The type `fixed` changes nothing.
+/// - `<end_effector>`, and the pairs of [`disabled_collisions`].
+/// - `<rotor_params>`, as in Pinocchio: gear_ratio²·mass is added to the armature of its joint.
+///
+/// Returns the report of the file. Only the option `strict` is used.
+///
+/// ```
+/// use robot_dynamics_urdf::{LoadOptions, add_srdf};
+/// let mut robot = robot_dynamics::description::pendulum(2.0, 0.5);
+/// let text = r#"<robot name="pendulum">
+///   <group name="arm"><joint name="hinge"/></group>
+///   <group_state name="down" group="arm"><joint name="hinge" value="-1.57"/></group_state>
+/// </robot>"#;
+/// let report = add_srdf(&mut robot, text, &LoadOptions::default())?;
+/// assert_eq!((robot.groups[0].links.as_slice(), report.counts.warnings), (&["rod".to_owned()][..], 0));
+/// assert_eq!(robot.poses[0].positions, [("hinge".to_owned(), vec![-1.57])]);
+/// let unknown = add_srdf(&mut robot, &text.replace("\"hinge\"/", "\"hing\"/"), &LoadOptions::default());
+/// assert!(unknown.unwrap_err().to_string().contains("did you mean `hinge`?"));
+/// # Ok::<(), robot_dynamics_urdf::LoadError>(())
+/// ```
+///
+/// # Errors
+/// [`LoadError`] lists all errors, such as names that the robot does not have, each with its line. The robot
+/// is then unchanged.
+pub fn add_srdf(
+    robot: &mut RobotDescription,
+    text: &str,
+    options: &LoadOptions,
+) -> Result<LoadReport, LoadError> {
+    let mut changed = robot.clone();
+    let read = robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, faults| {
+        let root = document.root_element();
+        let mut reader = Reader::new(document.input_text(), root, options.clone());
+        let element = root_element(&reader, root)?;
+        for (line, message) in faults {
+            reader.push_fault(*line, message);
+        }
+        add(Semantics::new(reader, &mut changed), &element)
+    });
+    let report = read.map_err(UrdfError::from)??;
+    *robot = changed;
+    Ok(report)
+}
+
+fn add<'a>(mut semantics: Semantics<'a, '_>, root: &Element<'a>) -> Result<LoadReport, LoadError> {
+    let known = [
+        "group",
+        "group_state",
+        "end_effector",
+        "virtual_joint",
+        "passive_joint",
+        "disable_collisions",
+        "enable_collisions",
+        "disable_default_collisions",
+        "rotor_params",
+    ];
+    semantics.reader.list_unread(root, &["name", "version"], &known, UnknownPart::Harmless);
+    semantics.note_name(root);
+    semantics.virtual_joints(root);
+    semantics.groups(root);
+    semantics.group_states(root);
+    semantics.passive_joints(root);
+    semantics.end_effectors(root);
+    semantics.rotors(root);
+    semantics.collisions(root);
+    semantics.finish()
+}
 
 /// The pairs of links for which an SRDF file disables collisions, each once. `links` are the robot's links.
 ///
@@ -30,15 +116,22 @@ const DEPTH_LIMIT: usize = 200;
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] with one error if the text is not SRDF, or if a pair lacks a link. Names of unknown links
-/// are returned as written.
+/// [`LoadError`] if the text is not SRDF, or if a pair lacks a link. Names of unknown links are returned as
+/// written.
 #[doc(alias = "SrdfError")]
 pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, String)>, LoadError> {
     let read = robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, _| {
-        let lines = Lines::of(document.input_text());
-        read_pairs(document.root_element(), &lines, links)
+        let root = document.root_element();
+        let mut reader = Reader::new(document.input_text(), root, LoadOptions::default());
+        let element = root_element(&reader, root)?;
+        let found = collision_pairs(&mut reader, &mut Budget::default(), &element, links);
+        if reader.errors.is_empty() {
+            Ok(found.pairs)
+        } else {
+            Err(LoadError::new(reader.errors, UrdfError::line, reader.report))
+        }
     });
-    Ok(read.map_err(UrdfError::from)??)
+    read.map_err(UrdfError::from)?
 }
 
 /// Reads an SRDF file for a robot: see [`disabled_collisions`].
@@ -59,46 +152,17 @@ pub fn load_disabled_collisions(
     disabled_collisions(&robot_dynamics_xml::read_file(path).map_err(UrdfError::from)?, &links)
 }
 
-fn read_pairs(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, UrdfError> {
-    let line = |node: Node<'_, '_>| lines.line(node.range().start);
-    let found = |node: Node<'_, '_>| excerpt(node.tag_name().name());
-    if root.tag_name().name() != "robot" {
+/// The outermost element of an SRDF file.
+fn root_element<'a>(reader: &Reader<'a>, root: Node<'a, 'a>) -> Result<Element<'a>, LoadError> {
+    let (line, found) = (reader.line(root), excerpt(root.tag_name().name()));
+    if found != "robot" {
         let advice = "this is not an SRDF file";
-        return Err(UrdfError::NotARobot { line: line(root), found: found(root), advice });
+        return Err(UrdfError::NotARobot { line, found, advice }.into());
     }
-    let link = |node: Node<'_, '_>, attribute: &'static str| {
-        let missing = || UrdfError::MissingAttribute {
-            line: line(node),
-            place: format!("<{}>", found(node)),
-            attribute: attribute.into(),
-            example: format!("{attribute}=\"…\", the name of a link"),
-        };
-        node.attribute(attribute).filter(|name| !name.is_empty()).map(str::to_owned).ok_or_else(missing)
-    };
-    let (mut pairs, mut enabled) = (Vec::new(), BTreeSet::new());
-    for node in root.children().filter(Node::is_element) {
-        match node.tag_name().name() {
-            "disable_collisions" => pairs.push((link(node, "link1")?, link(node, "link2")?)),
-            "enable_collisions" => {
-                let (a, b) = (link(node, "link1")?, link(node, "link2")?);
-                enabled.extend([(b.clone(), a.clone()), (a, b)]);
-            }
-            "disable_default_collisions" => {
-                let own = link(node, "link")?;
-                let others = links.iter().filter(|other| **other != own);
-                pairs.extend(others.map(|other| (own.clone(), (*other).to_owned())));
-            }
-            "link" => return Err(UrdfError::NotSrdf { line: line(node), found: found(node) }),
-            _ => {}
-        }
+    if let Some(link) = root.children().find(|&child| reader.is(child, "link")) {
+        return Err(UrdfError::NotSrdf { line: reader.line(link), found: "link".into() }.into());
     }
-    let mut seen = BTreeSet::new();
-    pairs.retain(|(a, b)| {
-        let is_new = seen.insert((a.clone(), b.clone()));
-        seen.insert((b.clone(), a.clone()));
-        is_new && !enabled.contains(&(a.clone(), b.clone()))
-    });
-    Ok(pairs)
+    Ok(Element { node: root, line, place: "robot".into() })
 }
 
 #[cfg(test)]

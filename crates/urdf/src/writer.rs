@@ -236,6 +236,14 @@ impl UrdfWriter<'_> {
         for pose in &robot.poses {
             self.add_note(&format!("pose {:?}", excerpt(&pose.name)), format!("a named pose: {none}"));
         }
+        for group in &robot.groups {
+            let message = format!("a group of links and joints, which belongs to SRDF: {none}");
+            self.add_note(&format!("group {:?}", excerpt(&group.name)), message);
+        }
+        for tool in &robot.end_effectors {
+            let message = format!("an end effector, which belongs to SRDF: {none}");
+            self.add_note(&format!("end effector {:?}", excerpt(&tool.name)), message);
+        }
         if let Some(step) = robot.time_step {
             self.add_note("time step", format!("{step} s: {none}"));
         }

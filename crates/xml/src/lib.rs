@@ -20,7 +20,7 @@ pub use roxmltree;
 pub use budget::{Budget, CHARACTER_LIMIT, ELEMENT_LIMIT, ExceededLimit, NUMBER_LIMIT, Resource};
 pub use error::{XmlError, excerpt};
 pub use lines::Lines;
-pub use options::LoadOptions;
+pub use options::{LoadOptions, Srdf};
 pub use repair::outermost;
 pub use text::{SIZE_LIMIT, parse, read_file, read_regular_file, spellings, text_of};
 pub use writer::{Writer, is_name, way_from};

@@ -24,6 +24,19 @@ pub struct LoadOptions {
     /// Whether the other files that a file names must be in its folder, as for archives and untrusted files.
     /// By default they may be anywhere on the disk, as in MuJoCo. Files in memory are always confined.
     pub confined: bool,
+    /// The SRDF file of the robot: groups, named poses, passive joints, the joint to the world, and pairs of
+    /// links that never touch. The functions of `robot_dynamics` read it for every format of robot file.
+    /// Without it no SRDF file is read, not even one beside the robot's file.
+    pub srdf: Option<Srdf>,
+}
+
+/// An SRDF file, or its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Srdf {
+    /// The path of the file. For a robot from files in memory it is one of them.
+    File(PathBuf),
+    /// The content of a file.
+    Text(String),
 }
 
 impl LoadOptions {
@@ -55,6 +68,26 @@ impl LoadOptions {
     /// ```
     pub fn with_confined(self) -> Self {
         Self { confined: true, ..self }
+    }
+
+    /// The same options with this SRDF file of the robot.
+    ///
+    /// ```
+    /// let options = robot_dynamics_xml::LoadOptions::default().with_srdf("arm.srdf");
+    /// assert_eq!(options.srdf, Some(robot_dynamics_xml::Srdf::File("arm.srdf".into())));
+    /// ```
+    pub fn with_srdf(self, path: impl Into<PathBuf>) -> Self {
+        Self { srdf: Some(Srdf::File(path.into())), ..self }
+    }
+
+    /// The same options with the text of the robot's SRDF file: see [`with_srdf`](Self::with_srdf).
+    ///
+    /// ```
+    /// let options = robot_dynamics_xml::LoadOptions::default().with_srdf_text("<robot name='arm'/>");
+    /// assert!(matches!(options.srdf, Some(robot_dynamics_xml::Srdf::Text(_))));
+    /// ```
+    pub fn with_srdf_text(self, text: impl Into<String>) -> Self {
+        Self { srdf: Some(Srdf::Text(text.into())), ..self }
     }
 
     /// The same options with warnings as errors.

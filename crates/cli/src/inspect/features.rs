@@ -19,6 +19,7 @@ pub(super) fn parts(model: &Model) -> Vec<String> {
         equalities(robot),
         sensors(robot),
         poses(robot),
+        groups(robot),
         shapes(robot),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect()
@@ -125,6 +126,20 @@ fn object(object: &SensorObject) -> String {
 fn poses(robot: &RobotDescription) -> String {
     let names: Vec<&str> = robot.poses.iter().map(|pose| pose.name.as_str()).collect();
     if names.is_empty() { String::new() } else { format!("Poses: {}\n", one_line(&names.join(", "))) }
+}
+
+/// The groups of an SRDF file, and those that are tools.
+fn groups(robot: &RobotDescription) -> String {
+    let mut text = String::new();
+    for group in &robot.groups {
+        let (links, joints) = (count(group.links.len(), "link"), count(group.joints.len(), "joint"));
+        let tools = robot.end_effectors.iter().filter(|tool| tool.group == group.name);
+        let tools: String =
+            tools.map(|tool| format!("; end effector {} on {}", tool.name, tool.parent_link)).collect();
+        let line = format!("{}: {links}, {joints}{tools}", group.name);
+        let _ = writeln!(text, "  {}", one_line(&line));
+    }
+    if text.is_empty() { text } else { format!("Groups:\n{text}") }
 }
 
 /// The number of shapes of each kind, and of mesh files that are missing.

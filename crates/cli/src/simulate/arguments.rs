@@ -56,9 +56,6 @@ pub(crate) struct Arguments {
     /// contacts, link-contacts.
     #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
     pub(super) without: Vec<Effect>,
-    /// Disable contact of the pairs of links in <disable_collisions> of this SRDF file.
-    #[arg(long, value_name = "FILE.srdf")]
-    pub(super) srdf: Option<PathBuf>,
     /// Allowed error of each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default:
     /// 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = tolerance, allow_negative_numbers = true)]

@@ -41,11 +41,6 @@ impl Setup {
         for effect in arguments.without.iter().copied().chain(by_hold) {
             builder = builder.without(effect);
         }
-        if let Some(srdf) = &arguments.srdf {
-            let pairs = robot_dynamics::urdf::load_disabled_collisions(srdf, model.description())
-                .context(srdf.display())?;
-            builder = builder.ignore_contacts(pairs);
-        }
         if let Some(friction) = arguments.friction {
             builder = builder.height_fields(move |shape| {
                 robot_dynamics::height_field(shape).map(|field: HeightField| field.with_friction(friction))

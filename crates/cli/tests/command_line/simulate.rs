@@ -468,6 +468,18 @@ fn pairs_of_an_srdf_file_do_not_touch() {
     assert!(refused.code == Some(1) && refused.err.contains("`low`"), "{}", refused.err);
     let refused = folder.run(&[&run[..], &["balls.xml"]].concat(), b"");
     assert_eq!(refused.code, Some(1), "{}", refused.err);
+    // `inspect` shows the groups, and a group state is a named pose.
+    let group = r#"<robot name="r"><group name="lift"><joint name="high"/></group>
+        <group_state name="up" group="lift"><joint name="high" value="0.5"/></group_state></robot>"#;
+    folder.write("group.srdf", group.as_bytes());
+    let shown = folder.run(&["inspect", "balls.xml", "--srdf", "group.srdf"], b"");
+    assert!(
+        shown.code == Some(0) && shown.out.contains("lift: 1 link, 1 joint"),
+        "{}{}",
+        shown.out,
+        shown.err
+    );
+    assert!(shown.out.contains("Poses: up"), "{}", shown.out);
     // The SRDF file is an input of the run.
     let refused = folder.run(&[&run[..], &["pairs.srdf", "--csv", "pairs.srdf"]].concat(), b"");
     assert!(refused.code != Some(0) && folder.read("pairs.srdf") == pair, "{}", refused.err);

@@ -103,7 +103,30 @@ impl RobotDescription {
         if let Some(joints) = &mut self.actuated_joints {
             joints.retain(|joint| !removed.joints.contains(joint));
         }
+        self.remove_members(&removed, &mut notes);
         notes
+    }
+
+    /// The links and joints of groups, and end effectors on removed links.
+    fn remove_members(&mut self, removed: &Removed, notes: &mut Vec<EditNote>) {
+        let Removed { links, joints, .. } = removed;
+        for group in &mut self.groups {
+            let before = (group.links.len(), group.joints.len(), group.chains.len());
+            group.links.retain(|link| !links.contains(link));
+            group.joints.retain(|joint| !joints.contains(joint));
+            group.chains.retain(|(base, tip)| !links.contains(base) && !links.contains(tip));
+            if before != (group.links.len(), group.joints.len(), group.chains.len()) {
+                let message = "its removed links and joints were removed";
+                notes.push(EditNote::new(format!("group `{}`", group.name), message));
+            }
+        }
+        self.end_effectors.retain(|tool| {
+            let is_removed = links.contains(&tool.parent_link);
+            if is_removed {
+                notes.push(note("end effector", &tool.name, "link", &tool.parent_link));
+            }
+            !is_removed
+        });
     }
 
     /// Links with their joints, frames, shapes and pairs.

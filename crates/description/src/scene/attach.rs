@@ -173,6 +173,8 @@ impl RobotDescription {
         own.actuators.extend(part.actuators);
         own.sensors.extend(part.sensors);
         own.poses.extend(poses);
+        own.groups.extend(part.groups);
+        own.end_effectors.extend(part.end_effectors);
     }
 }
 
@@ -217,7 +219,7 @@ fn rename_base(part: &mut RobotDescription, base_joint: &str, new: Option<&str>)
 }
 
 /// The names of each sort that a scene keeps apart.
-fn names(robot: &RobotDescription) -> [(&'static str, Vec<&str>); 7] {
+fn names(robot: &RobotDescription) -> [(&'static str, Vec<&str>); 9] {
     fn of<T>(items: &[T], name: impl Fn(&T) -> &str) -> Vec<&str> {
         items.iter().map(name).collect()
     }
@@ -230,5 +232,7 @@ fn names(robot: &RobotDescription) -> [(&'static str, Vec<&str>); 7] {
         ("actuator", of(&robot.actuators, |actuator| &actuator.name)),
         ("sensor", of(&robot.sensors, |sensor| &sensor.name)),
         ("pose", of(&robot.poses, |pose| &pose.name)),
+        ("group", of(&robot.groups, |group| &group.name)),
+        ("end effector", of(&robot.end_effectors, |tool| &tool.name)),
     ]
 }

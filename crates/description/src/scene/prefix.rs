@@ -4,8 +4,9 @@ use crate::actuator::Transmission;
 use crate::joint::{JointDescription, Mimic};
 use crate::robot::LinkDescription;
 use crate::{
-    ActuatorDescription, ContactPairDescription, Equality, EqualityDescription, FrameDescription, LinkShape,
-    NamedPose, RobotDescription, SensorDescription, SensorObject, TendonDescription,
+    ActuatorDescription, ContactPairDescription, EndEffectorDescription, Equality, EqualityDescription,
+    FrameDescription, GroupDescription, LinkShape, NamedPose, RobotDescription, SensorDescription,
+    SensorObject, TendonDescription,
 };
 
 /// The new name of each object, by its old name.
@@ -51,6 +52,8 @@ impl Renaming<'_> {
             actuators,
             sensors,
             poses,
+            groups,
+            end_effectors,
             actuated_joints,
             time_step: _,
             impratio: _,
@@ -103,11 +106,26 @@ impl Renaming<'_> {
                 self.sensed(reference);
             }
         }
-        for NamedPose { name, positions, velocities, controls: _ } in poses {
+        for NamedPose { name, positions, velocities, group, controls: _ } in poses {
             self.object(name);
+            group.iter_mut().for_each(|group| self.object(group));
             for (joint, _) in positions.iter_mut().chain(velocities) {
                 self.object(joint);
             }
+        }
+        for GroupDescription { name, links, joints, chains, subgroups } in groups {
+            for name in joints.iter_mut().chain(subgroups).chain([name]) {
+                self.object(name);
+            }
+            for link in links.iter_mut().chain(chains.iter_mut().flat_map(|(base, tip)| [base, tip])) {
+                self.link(link);
+            }
+        }
+        for EndEffectorDescription { name, group, parent_link, parent_group } in end_effectors {
+            for name in parent_group.iter_mut().chain([name, group]) {
+                self.object(name);
+            }
+            self.link(parent_link);
         }
         for joint in actuated_joints.iter_mut().flatten() {
             self.object(joint);
