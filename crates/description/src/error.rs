@@ -164,6 +164,14 @@ pub enum ModelError {
         /// The moving link that it is fixed to.
         carrier: String,
     },
+    /// The mass of a mesh cannot be computed from its file.
+    #[error("mesh `{file}`: {reason}")]
+    Mesh {
+        /// The file.
+        file: String,
+        /// The reason.
+        reason: String,
+    },
     /// A nonzero first moment without mass among the parameters of a link.
     #[error("link `{link}` has mass 0 and a first moment m c that is not 0")]
     MomentWithoutMass {

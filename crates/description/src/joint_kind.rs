@@ -77,6 +77,31 @@ impl JointKind {
         }
     }
 
+    /// The kind of this name; `axis` is the first axis or the normal, and kinds without axes do not read it.
+    /// `second` is the second axis of a universal joint, and `pitch` \[m/rad\] that of a helical one.
+    ///
+    /// ```
+    /// use robot_dynamics::description::JointKind;
+    /// let z = [0.0, 0.0, 1.0];
+    /// let planar = JointKind::named("planar", z, [0.0, 1.0, 0.0], 0.0);
+    /// assert_eq!(planar, Some(JointKind::Planar { normal: z }));
+    /// assert_eq!(JointKind::named("hinge", z, z, 0.0), None);
+    /// ```
+    pub fn named(name: &str, axis: [f64; 3], second: [f64; 3], pitch: f64) -> Option<Self> {
+        Some(match name {
+            "fixed" => Self::Fixed,
+            "revolute" => Self::Revolute { axis },
+            "continuous" => Self::Continuous { axis },
+            "prismatic" => Self::Prismatic { axis },
+            "helical" => Self::Helical { axis, pitch },
+            "universal" => Self::Universal { first: axis, second },
+            "planar" => Self::Planar { normal: axis },
+            "spherical" => Self::Spherical,
+            "floating" => Self::Floating,
+            _ => return None,
+        })
+    }
+
     /// The coordinates of q, in order.
     ///
     /// ```

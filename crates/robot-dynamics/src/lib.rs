@@ -27,6 +27,7 @@
 //! | [`plausibility`] | numbers that look like a wrong unit |
 //! | [`conventions`] | conversions to and from other libraries' conventions |
 //! | [`mesh_corners`], [`height_field`] | points of a shape's mesh file, and height fields, for contact |
+//! | [`mesh_object`] | an object of a scene whose shape is a mesh file |
 //! | `json`, with the feature `json` | states and results as lines of JSON |
 //! | [`urdf`], [`mjcf`] | the readers of each format, with their own reports |
 //! | [`Error`], [`ErrorKind`] | the error that every error of the library converts to, and its kind |
@@ -39,7 +40,9 @@ mod height_field;
 pub mod json;
 mod load;
 mod mesh;
+mod mesh_object;
 pub mod output;
+mod scene_file;
 mod writer;
 
 pub use nalgebra;
@@ -57,6 +60,8 @@ pub use load::{
     load_description_from_text, load_with, simulation,
 };
 pub use mesh::mesh_corners;
+pub use mesh_object::{MeshMass, MeshSolid, mesh_object};
+pub use scene_file::SceneFault;
 
 #[cfg(feature = "native")]
 pub use robot_dynamics_functions::with_native_code;

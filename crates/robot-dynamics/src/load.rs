@@ -1,15 +1,18 @@
 //! Loads robot files of all formats.
 
-use robot_dynamics_number::{Classified, ErrorKind};
+mod file_error;
+
+pub use self::file_error::FileError;
+
 use std::path::Path;
 
 use robot_dynamics_mjcf::FileSet;
 use robot_dynamics_urdf::{LoadOptions, Srdf};
-use thiserror::Error;
 
 use crate::description::{Base, Finding, JointDescription, LoadReport, ModelError, RobotDescription};
 use crate::model::Model;
 use crate::plausibility::WrittenAngles;
+use crate::scene_file::{self, ReadFile, Shared, Source, is_scene};
 use crate::simulation::SimulationBuilder;
 use crate::{height_field, mesh_corners};
 
@@ -93,109 +96,14 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
     Ok(model)
 }
 
-/// The reason for which a robot file is refused, by its format, or its description is invalid.
-///
-/// ```
-/// use robot_dynamics::{FileError, LoadOptions, load_description_from_text};
-/// let refused = load_description_from_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default());
-/// let refused = refused.expect_err("a joint of the world");
-/// assert!(matches!(refused, FileError::Mjcf(_)) && refused.messages().len() == 1);
-/// ```
-#[derive(Debug, Error)]
-#[non_exhaustive]
-#[doc(alias = "LoadError")]
-pub enum FileError {
-    /// A file with the outermost element `<robot>`, or one of an unknown format.
-    #[error(transparent)]
-    Urdf(#[from] robot_dynamics_urdf::LoadError),
-    /// A file with the outermost element `<mujoco>`.
-    #[error(transparent)]
-    Mjcf(#[from] robot_dynamics_mjcf::LoadError),
-    /// The SRDF file of the robot: see [`LoadOptions::srdf`].
-    #[error("{file}: {source}")]
-    Srdf {
-        /// Its path; empty for a text.
-        file: String,
-        /// Its errors.
-        source: robot_dynamics_urdf::LoadError,
-    },
-    /// A file that was read, with an invalid description.
-    #[error("{source}")]
-    Model {
-        /// The problem of the description.
-        source: Box<ModelError>,
-        /// The warnings and notes on the file.
-        report: Box<LoadReport>,
-    },
-}
-
-impl Classified for FileError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Urdf(error) => error.kind(),
-            Self::Mjcf(error) => error.kind(),
-            Self::Srdf { source, .. } => source.kind(),
-            Self::Model { source, .. } => source.kind(),
-        }
-    }
-}
-
-impl FileError {
-    /// The messages of the listed errors, each with line and place; see [`unlisted`](Self::unlisted).
-    pub fn messages(&self) -> Vec<String> {
-        match self {
-            Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
-            Self::Mjcf(error) => error.errors().iter().map(ToString::to_string).collect(),
-            Self::Srdf { file, source } => {
-                source.errors().iter().map(|error| format!("{file}: {error}")).collect()
-            }
-            Self::Model { source, .. } => vec![source.to_string()],
-        }
-    }
-
-    /// The number of errors that are not listed.
-    pub fn unlisted(&self) -> usize {
-        match self {
-            Self::Urdf(error) => error.unlisted(),
-            Self::Mjcf(error) => error.unlisted(),
-            Self::Srdf { source, .. } => source.unlisted(),
-            Self::Model { .. } => 0,
-        }
-    }
-
-    /// Whether the file could not be read. The message then names the file.
-    pub fn is_unreadable(&self) -> bool {
-        match self {
-            Self::Urdf(error) => {
-                matches!(error.errors(), [robot_dynamics_urdf::UrdfError::Unreadable { .. }])
-            }
-            Self::Mjcf(error) => matches!(
-                error.errors(),
-                [robot_dynamics_mjcf::MjcfError::Xml { file, source: robot_dynamics_xml::XmlError::Unreadable { .. } }] if file.is_empty()
-            ),
-            Self::Srdf { .. } | Self::Model { .. } => false,
-        }
-    }
-
-    /// The warnings and notes on the file, as far as it could be read.
-    pub fn report(&self) -> &LoadReport {
-        match self {
-            Self::Urdf(error) => error.report(),
-            Self::Mjcf(error) => error.report(),
-            Self::Srdf { source, .. } => source.report(),
-            Self::Model { report, .. } => report,
-        }
-    }
-}
-
 /// Reads and compiles a robot file, with the base fixed to the world. Suspicious values are taken as written
 /// and reported.
 ///
-/// URDF opens no other file. MJCF opens included and attached files, and the mesh files from which the
-/// inertia of a body comes. These files may be anywhere on the disk, unless the options confine them to the
-/// folder of the robot's file ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and
-/// opened for contact by [`Robot::simulation`]. An SRDF file is read only if the options name it
-/// ([`LoadOptions::with_srdf`]).
+/// URDF opens no other file. A scene opens the files of its robots and meshes. MJCF opens included and
+/// attached files, and the mesh files from which the inertia of a body comes. These files may be anywhere
+/// on the disk, unless the options confine them to the folder of the robot's file
+/// ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and opened for contact by
+/// [`Robot::simulation`]. An SRDF file is read only if the options name it ([`LoadOptions::with_srdf`]).
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
@@ -253,13 +161,45 @@ pub fn load_description(
     // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
     let text = robot_dynamics_xml::read_file(path)
         .map_err(|error| robot_dynamics_urdf::LoadError::from(robot_dynamics_urdf::UrdfError::from(error)))?;
-    let mut loaded = if is_mjcf(&text) {
-        robot_dynamics_mjcf::parse_as(&text, path, options)?.into()
+    let mut loaded = if is_scene(&text) {
+        let source = Source::disk(path, options.confined);
+        scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
     } else {
-        robot_dynamics_urdf::parse_as(&text, path, options)?.into()
+        robot_from_text(&text, Some(path), options)?
     };
     add_srdf(&mut loaded, options, None)?;
     Ok(loaded)
+}
+
+/// Reads a robot, not a scene, from the text of the file at a path, or of no file.
+fn robot_from_text(
+    text: &str,
+    path: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<LoadedDescription, FileError> {
+    Ok(match (is_mjcf(text), path) {
+        (true, Some(path)) => robot_dynamics_mjcf::parse_as(text, path, options)?.into(),
+        (true, None) => robot_dynamics_mjcf::parse(text, options)?.into(),
+        (false, Some(path)) => robot_dynamics_urdf::parse_as(text, path, options)?.into(),
+        (false, None) => robot_dynamics_urdf::parse(text, options)?.into(),
+    })
+}
+
+/// Reads a robot of a scene.
+fn robot_of_scene(text: &str, source: &Source<'_>, options: &LoadOptions) -> Result<ReadFile, Vec<String>> {
+    let read = |path| {
+        let mut loaded = robot_from_text(text, path, options)?;
+        add_srdf(&mut loaded, options, None)?;
+        Ok(loaded)
+    };
+    let loaded = match source {
+        Source::Disk { path, .. } => read(Some(path)),
+        Source::Memory { files, path } => load_description_from_files(files, path, options),
+        Source::Text => read(None),
+    };
+    let loaded = loaded.map_err(|error: FileError| error.messages())?;
+    let LoadedDescription { description, report, angles } = loaded;
+    Ok(ReadFile { description, report, angles })
 }
 
 /// Reads a robot from the text of a file, for example from a database or another program.
@@ -279,10 +219,10 @@ pub fn load_description(
 /// As [`load_description`].
 #[doc(alias = "describe_text")]
 pub fn load_description_from_text(text: &str, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
-    let mut loaded = if is_mjcf(text) {
-        robot_dynamics_mjcf::parse(text, options)?.into()
+    let mut loaded = if is_scene(text) {
+        scene_file::read(text, &Source::Text, &mut Shared::new(options, robot_of_scene))?.into()
     } else {
-        robot_dynamics_urdf::parse(text, options)?.into()
+        robot_from_text(text, None, options)?
     };
     add_srdf(&mut loaded, options, None)?;
     Ok(loaded)
@@ -312,6 +252,10 @@ pub fn load_description_from_files(
 ) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
     let mut loaded = match files.get(path).map(robot_dynamics_xml::text_of) {
+        Some(Ok(text)) if is_scene(&text) => {
+            let source = Source::Memory { files, path: path.to_owned() };
+            scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
+        }
         Some(Ok(text)) if !is_mjcf(&text) => robot_dynamics_urdf::parse(&text, options)?.into(),
         // The MJCF reader reports files that are missing or not text.
         _ => robot_dynamics_mjcf::load_from_files(files, path, options)?.into(),
@@ -356,6 +300,12 @@ fn add_srdf(
     report.counts.joints = description.joints.len();
     report.counts.degrees_of_freedom = joints + if description.base == Base::Floating { 6 } else { 0 };
     Ok(())
+}
+
+impl From<ReadFile> for LoadedDescription {
+    fn from(ReadFile { description, report, angles }: ReadFile) -> Self {
+        Self { description, report, angles }
+    }
 }
 
 impl From<robot_dynamics_urdf::Robot> for LoadedDescription {

@@ -106,10 +106,11 @@ impl RobotDescription {
         if is_taken { format!("{root}_joint") } else { base_joint.to_owned() }
     }
 
+    /// Rejects the names of a part that this robot has.
     fn check_names(&self, part: &RobotDescription) -> Result<(), ModelError> {
         for ((sort, own), (_, added)) in names(self).into_iter().zip(names(part)) {
-            let own: HashSet<&str> = own.into_iter().collect();
-            if let Some(name) = added.into_iter().find(|name| !name.is_empty() && own.contains(name)) {
+            let added: HashSet<&str> = added.into_iter().filter(|name| !name.is_empty()).collect();
+            if let Some(name) = own.into_iter().find(|name| added.contains(name)) {
                 return Err(ModelError::NameInScene { sort, name: name.to_owned() });
             }
         }

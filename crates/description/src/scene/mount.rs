@@ -35,6 +35,11 @@ impl Mount {
         Self { joint: Some(joint), ..self }
     }
 
+    /// The text before every name of the robot.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
     /// With this text before every name of the robot.
     pub fn with_prefix(self, prefix: impl Into<String>) -> Self {
         Self { prefix: prefix.into(), ..self }

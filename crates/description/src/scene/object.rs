@@ -1,5 +1,6 @@
 //! Rigid bodies of one shape.
 
+use nalgebra::{Matrix3, Rotation3};
 use robot_dynamics_number::check_positive;
 
 use crate::{
@@ -14,6 +15,8 @@ pub struct Object {
     pub name: String,
     /// Its form and size.
     pub shape: Shape,
+    /// The shape's frame in the object's frame.
+    pub object_from_shape: Pose,
     /// Mass \[kg\], uniformly distributed; `None` for an object that is fixed to the world.
     pub mass: Option<f64>,
     /// Mass properties in the object's frame in place of those of `mass` and `shape`, for example of a mesh.
@@ -30,6 +33,7 @@ impl Object {
         Self {
             name: name.into(),
             shape,
+            object_from_shape: Pose::IDENTITY,
             mass: None,
             mass_properties: None,
             surface: Surface::default(),
@@ -63,6 +67,36 @@ impl Object {
     /// ```
     pub fn ground() -> Self {
         Self::fixed("ground", Shape::Plane { half_size: [0.0; 2] })
+    }
+
+    /// A box that stands on the plane z = 0 of its frame, such as a table, with these edges along x, y, z
+    /// \[m\], fixed to the world.
+    ///
+    /// ```
+    /// use robot_dynamics::description::Object;
+    /// let table = Object::table("table", [1.0, 0.6, 0.4]);
+    /// assert_eq!(table.object_from_shape.translation, [0.0, 0.0, 0.2]);
+    /// ```
+    pub fn table(name: impl Into<String>, size: [f64; 3]) -> Self {
+        let object_from_shape = Pose::from_translation([0.0, 0.0, 0.5 * size[2]]);
+        Self { object_from_shape, ..Self::fixed(name, Shape::Box { size }) }
+    }
+
+    /// A wall of this height and thickness \[m\] on the plane z = 0, between two points (x, y), fixed to the
+    /// world.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Object, Shape};
+    /// let wall = Object::wall("wall", [[0.0, 1.0], [3.0, 5.0]], 2.5, 0.1);
+    /// assert_eq!(wall.shape, Shape::Box { size: [5.0, 0.1, 2.5] });
+    /// assert_eq!(wall.object_from_shape.translation, [1.5, 3.0, 1.25]);
+    /// ```
+    pub fn wall(name: impl Into<String>, [from, to]: [[f64; 2]; 2], height: f64, thickness: f64) -> Self {
+        let (along, across) = (to[0] - from[0], to[1] - from[1]);
+        let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]), 0.5 * height];
+        let object_from_shape = Pose::from_xyz_rpy(middle, [0.0, 0.0, across.atan2(along)]);
+        let shape = Shape::Box { size: [along.hypot(across), thickness, height] };
+        Self { object_from_shape, ..Self::fixed(name, shape) }
     }
 
     /// A body with these mass properties in its own frame, for example a mesh.
@@ -105,7 +139,7 @@ impl Object {
 
     /// A robot of one link.
     pub(super) fn description(&self) -> Result<RobotDescription, ModelError> {
-        let Self { name, shape, mass, mass_properties, surface, color } = self;
+        let Self { name, shape, object_from_shape, mass, mass_properties, surface, color } = self;
         let mass_properties = match (mass_properties, mass) {
             (Some(given), _) => Some(*given),
             (None, None) => None,
@@ -114,7 +148,8 @@ impl Object {
                 check_positive(&format!("the mass of object `{name}`"), *mass, "kg")?;
                 check_positive(&format!("the volume of object `{name}`"), volume, "m³")?;
                 let solid = shape.solid(mass / volume).transpose();
-                solid.map_err(|error| ModelError::Inertia { link: name.clone(), error })?
+                let solid = solid.map_err(|error| ModelError::Inertia { link: name.clone(), error })?;
+                solid.map(|body| placed(&body, object_from_shape))
             }
         };
         let mut robot = RobotDescription::new(name);
@@ -124,8 +159,18 @@ impl Object {
             name: name.clone(),
             color: *color,
             surface: *surface,
-            ..LinkShape::new(name, ShapeRole::Collision, Pose::IDENTITY, shape.clone())
+            ..LinkShape::new(name, ShapeRole::Collision, *object_from_shape, shape.clone())
         });
         Ok(robot)
     }
+}
+
+/// A shape's mass properties in the object's frame.
+fn placed(body: &MassProperties, object_from_shape: &Pose) -> MassProperties {
+    if *object_from_shape == Pose::IDENTITY {
+        return *body;
+    }
+    let [x, y, z] = object_from_shape.rotation;
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_row_slice(&[x, y, z].concat()));
+    body.transformed(&rotation, &object_from_shape.translation.into())
 }
