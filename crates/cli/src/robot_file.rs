@@ -2,7 +2,7 @@
 
 use std::path::{Display, Path, PathBuf};
 
-use robot_dynamics::description::{Base, LoadReport};
+use robot_dynamics::description::{Finding, LoadReport};
 use robot_dynamics::model::{Model, lock_massless};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::{FileError, LoadOptions, LoadedDescription, with_native_code};
@@ -20,7 +20,8 @@ const WARNINGS_SHOWN: usize = 10;
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct RobotFile {
-    /// The robot's file, URDF or MJCF. Mesh files are read only if an MJCF body's inertia depends on them.
+    /// The robot's file: URDF, MJCF or a scene. Mesh files are read only if the inertia of a body depends on
+    /// them.
     robot: PathBuf,
     /// Add a floating joint between the world and the root link: six degrees of freedom, before all others.
     #[arg(long)]
@@ -120,7 +121,9 @@ impl RobotFile {
         }
         let LoadedDescription { mut description, report, angles, .. } =
             robot_dynamics::load_description(&self.robot, &options).map_err(|error| self.refused(&error))?;
-        if self.floating_base && description.base == Base::Fixed {
+        // A scene of MJCF may have a fixed base and a body that the option frees.
+        let is_omitted = |finding: &Finding| finding.message().ends_with("the floating base is omitted");
+        if self.floating_base && report.findings.iter().any(is_omitted) {
             print_line(format_args!(
                 "note: {shown}: the root link already floats; --floating-base has no effect"
             ));

@@ -117,3 +117,47 @@ fn wrong_input_writes_nothing() {
     assert_eq!(folder.read("panda.urdf"), panda);
     assert_eq!(folder.names().len(), before.len() + 1);
 }
+
+/// A scene is a robot for every command, and `convert` writes it as one.
+#[test]
+fn scenes_are_converted_to_one_robot() {
+    let folder = folder("convert_scene");
+    let scene = r#"<scene>
+        <robot file="panda.urdf" xyz="0 0 0.1"/>
+        <robot file="hand.xml" on="panda_link8" prefix="hand_"/>
+        <table name="table" size="1 0.6 0.4" xyz="0.9 0 0"/>
+        <box name="cube" size="0.1 0.1 0.1" mass="0.5" xyz="0.8 0 0.46"/></scene>"#;
+    folder.write("cell.scene", scene.as_bytes());
+    let ran = folder.run(&["convert", "cell.scene", "cell.xml"], b"");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(number_after(&ran.out, MASS_DIFFERENCE) < 1e-12, "{}", ran.out);
+    let written = std::fs::read_to_string(folder.path("cell.xml")).unwrap();
+    assert!(written.contains("<mujoco model=\"cell\"") && written.contains("hand_"), "{written}");
+    folder.write("bad.scene", b"<scene>\n<box name='a'/>\n<robot file='none.urdf'/></scene>");
+    let ran = folder.run(&["inspect", "bad.scene"], b"");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("bad.scene: 2 errors") && ran.err.contains("line 3: "), "{}", ran.err);
+    // No output replaces a file of the scene.
+    let ran = folder.run(&["convert", "cell.scene", "hand.xml"], b"");
+    assert!(ran.code == Some(2) || ran.code == Some(1), "{}", ran.err);
+}
+
+/// The note that a floating base has no effect is printed only if this is so.
+#[test]
+fn floating_base_of_a_scene_has_an_effect() {
+    let folder = folder("floating_scene");
+    let mass = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
+    let scene = |joint: &str| {
+        format!(
+            "<mujoco><worldbody><geom type='plane' size='1 1 1'/><body name='robot'>{joint}{mass}\
+             <body><joint name='hinge'/>{mass}</body></body></worldbody></mujoco>"
+        )
+    };
+    for (joint, has_no_effect) in [("", false), ("<freejoint/>", true)] {
+        folder.write("scene.xml", scene(joint).as_bytes());
+        let ran = folder.run(&["inspect", "scene.xml", "--floating-base"], b"");
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        assert!(ran.out.contains("7 degrees of freedom"), "{}", ran.out);
+        assert_eq!(ran.err.contains("--floating-base has no effect"), has_no_effect, "{}", ran.err);
+    }
+}
