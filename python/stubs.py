@@ -38,6 +38,8 @@ _F = TypeVar("_F", np.float64, np.float32)
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Three: TypeAlias = Sequence[float]
+# Kind, axis, second axis and pitch of a joint.
+_JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
 '''
@@ -150,12 +152,32 @@ ARGUMENTS = {
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
 OF_CALL = {
-    ("_add", "joint"): "str | None",
+    ("_add", "joint"): "_JointWords | None",
     ("_add", "pose"): "Numbers",
+    ("_add_mesh", "density"): "float | None",
+    ("_add_mesh", "friction"): "float | None",
+    ("_add_mesh", "joint"): "_JointWords | None",
+    ("_add_mesh", "mass"): "float | None",
+    ("_add_mesh", "pose"): "Numbers",
+    ("_add_mesh", "scale"): "_Three",
+    ("_add_mesh", "solid"): "str",
     ("_add_object", "density"): "float | None",
     ("_add_object", "friction"): "float | None",
+    ("_add_object", "joint"): "_JointWords | None",
     ("_add_object", "mass"): "float | None",
     ("_add_object", "pose"): "Numbers",
+    ("_with_attached", "joint"): "_JointWords | None",
+    ("_with_attached", "pose"): "Numbers",
+    ("_with_frame", "pose"): "Numbers",
+    ("_with_link", "joint"): "_JointWords",
+    ("_with_link", "joint_name"): "str",
+    ("_with_link", "limits"): "tuple[float, float, float, float]",
+    ("_with_link", "mass"): "float | None",
+    ("_with_link", "pose"): "Numbers",
+    ("_with_mass_scaled", "link"): "str | None",
+    ("_with_subtree_replaced", "joint"): "str",
+    ("_without_equality", "equality"): "str",
+    ("_without_joint", "joint"): "str",
     ("ComputedTorque", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "stiffness"): "float",
@@ -190,6 +212,7 @@ RETURNS = {
     "_state": "str",
     "_description": "str",
     "_add": "list[str]",
+    "_add_mesh": "None",
     "_add_object": "None",
     "_report_text": "str",
     "_warning_groups": "list[str]",
@@ -233,6 +256,15 @@ RETURNS = {
     "_time_optimal": "_Record",
     "_to_text": "tuple[str, list[tuple[str, str, bool]]]",
     "_with_actuated_joints": "str",
+    "_with_attached": "tuple[str, list[str]]",
+    "_with_frame": "str",
+    "_with_inertia": "str",
+    "_with_link": "str",
+    "_with_mass_scaled": "str",
+    "_with_root": "tuple[str, list[str]]",
+    "_with_subtree_replaced": "tuple[str, list[str]]",
+    "_without_equality": "tuple[str, list[str]]",
+    "_without_joint": "tuple[str, list[str]]",
     "_with_gravity_scaled": "str",
     "_with_parameters": "str",
     "_with_payload": "str",

@@ -33,6 +33,7 @@ from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.conventions import MujocoState, PinocchioState, RobotState
+from robot_dynamics.edits import EditedRobot
 from robot_dynamics.errors import (
     BadSimulationsError,
     BadStatesError,
@@ -98,6 +99,7 @@ __all__ = [
     "DescriptionError",
     "DissipationPullback",
     "Dlqr",
+    "EditedRobot",
     "EndEffector",
     "EnergyAccount",
     "Event",

@@ -17,6 +17,8 @@ _F = TypeVar("_F", np.float64, np.float32)
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Three: TypeAlias = Sequence[float]
+# Kind, axis, second axis and pitch of a joint.
+_JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
 
@@ -466,18 +468,36 @@ class Robot:
         """The warnings of the report, those of one kind in one text."""
     def _with_actuated_joints(self, joints: Sequence[str]) -> str:
         """See `with_actuated_joints`."""
+    def _with_attached(self, robot: Robot, parent: str, pose: Numbers, joint: _JointWords | None, prefix: str) -> tuple[str, list[str]]:
+        """See `with_attached`."""
+    def _with_frame(self, name: str, parent: str, pose: Numbers) -> str:
+        """See `with_frame`."""
     def _with_gravity_scaled(self, factor: float) -> str:
         """See `with_gravity_scaled`."""
+    def _with_inertia(self, link: str, mass: float, center_of_mass: Numbers, inertia: Numbers | None) -> str:
+        """See `with_inertia`."""
+    def _with_link(self, name: str, parent: str, pose: Numbers, joint: _JointWords, joint_name: str, limits: tuple[float, float, float, float], mass: float | None, center_of_mass: Numbers, inertia: Numbers | None) -> str:
+        """See `with_link`."""
+    def _with_mass_scaled(self, factor: float, link: str | None) -> str:
+        """See `with_mass_scaled`."""
     def _with_parameters(self, parameters: Numbers, as_written: bool) -> str:
         """See `with_parameters`."""
     def _with_payload(self, link: str, mass: float, center_of_mass: Numbers, inertia: Numbers | None) -> str:
         """See `with_payload`."""
+    def _with_root(self, link: str) -> tuple[str, list[str]]:
+        """See `with_root`."""
     def _with_sensors(self, sensors: Sequence[tuple[str, str, str | None, str | None]]) -> str:
         """See `with_sensors`."""
+    def _with_subtree_replaced(self, joint: str, robot: Robot, prefix: str) -> tuple[str, list[str]]:
+        """See `with_subtree_replaced`."""
     def _with_wrenches(self, row: str, q: Numbers, v: Numbers, x: Numbers, frames: Sequence[str | int], wrenches: Numbers, *, out: NDArray[Any] | tuple[NDArray[Any], ...] | None, threads: int | None) -> Any:
         """The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`,
         `joint_reactions`, `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
         """
+    def _without_equality(self, equality: str) -> tuple[str, list[str]]:
+        """See `without_equality`."""
+    def _without_joint(self, joint: str) -> tuple[str, list[str]]:
+        """See `without_joint`."""
     def _xla_handle(self) -> int:
         """The number by which programs of XLA call this robot. It stays in memory from now on."""
     @property
@@ -2620,9 +2640,11 @@ class Robot:
 class Scene:
     """The scene that `robot_dynamics.Scene` builds."""
     def __new__(cls, name: str, gravity: Numbers) -> Self: ...
-    def _add(self, robot: Robot, parent: str, pose: Numbers, joint: str | None, axis: Numbers, prefix: str) -> list[str]:
+    def _add(self, robot: Robot, parent: str, pose: Numbers, joint: _JointWords | None, prefix: str) -> list[str]:
         """See `add`. Returns the notes on what the scene does not take."""
-    def _add_object(self, name: str, shape: str, lengths: Sequence[float], pose: Numbers, mass: float | None, density: float | None, friction: float | None) -> None:
+    def _add_mesh(self, name: str, path: _Path, scale: _Three, parent: str, pose: Numbers, joint: _JointWords | None, mass: float | None, density: float | None, center_of_mass: Numbers, inertia: Numbers | None, solid: str, friction: float | None) -> None:
+        """See `add_mesh`."""
+    def _add_object(self, name: str, shape: str, lengths: Sequence[float], parent: str, pose: Numbers, joint: _JointWords | None, mass: float | None, density: float | None, friction: float | None) -> None:
         """See `add_box` and the like."""
     def _description(self) -> str:
         """The scene as one robot: its description as JSON."""

@@ -17,6 +17,7 @@ from robot_dynamics import (
     checks,
     control,
     conventions,
+    edits,
     files,
     identification,
     motion,
@@ -578,6 +579,17 @@ class Robot(_native.Robot):
     from_mujoco = conventions.from_mujoco
     to_pinocchio = conventions.to_pinocchio
     from_pinocchio = conventions.from_pinocchio
+
+    # Parts added, removed or moved.
+    with_frame = edits.with_frame
+    with_link = edits.with_link
+    with_inertia = edits.with_inertia
+    with_mass_scaled = edits.with_mass_scaled
+    with_root = edits.with_root
+    without_joint = edits.without_joint
+    without_equality = edits.without_equality
+    with_attached = edits.with_attached
+    with_subtree_replaced = edits.with_subtree_replaced
 
     # Files and generated code.
     to_text = files.to_text

@@ -1,5 +1,7 @@
 """Scenes: robots and objects joined to one robot."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,45 @@ def test_other_gravity_is_told() -> None:
     moon = rd.example("two_r").with_gravity_scaled(0.165)
     with pytest.warns(rd.LoadWarning, match="gravity"):
         rd.Scene().add(moon)
+
+
+def test_scene_file_is_the_scene_of_a_program(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(rd.example("two_r").to_text().text)
+    text = """<scene name="cell"><ground friction="0.4"/>
+        <robot file="arm.urdf" xyz="0 0 1" prefix="a_" joint="helical" pitch="0.1"/>
+        <table name="table" size="1 0.6 0.4"/><wall name="wall" from="0 1" to="2 1" height="2" thickness="0.2"/>
+        <box name="door" size="1 0.1 2" mass="10" joint="revolute" axis="1 0 0" on="table"/></scene>"""
+    (tmp_path / "cell.scene").write_text(text)
+    scene = rd.Scene("cell")
+    scene.add_ground(friction=0.4)
+    scene.add(rd.load(tmp_path / "arm.urdf"), at=(0.0, 0.0, 1.0), prefix="a_", joint="helical", pitch=0.1)
+    scene.add_table("table", (1.0, 0.6, 0.4))
+    scene.add_wall("wall", (0, 1), (2, 1), 2.0, thickness=0.2)
+    scene.add_box("door", (1.0, 0.1, 2.0), at=(0, 0, 0), mass=10.0, on="table", joint="revolute", axis=(1, 0, 0))
+    read = rd.load(tmp_path / "cell.scene")
+    assert read.describe() == scene.robot().describe()
+    assets = {"arm.urdf": (tmp_path / "arm.urdf").read_bytes()}
+    assert rd.loads(text, assets=assets).nv == read.nv
+    with pytest.raises(rd.LoadError, match="line 2"):
+        rd.loads(text.replace("arm.urdf", "leg.urdf"), assets=assets)
+
+
+def test_meshes_are_objects(tmp_path: Path) -> None:
+    corners = [(x, y, z) for x in (0, 20) for y in (0, 40) for z in (0, 60)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {face}" for face in faces]
+    (tmp_path / "brick.obj").write_text("\n".join(lines))
+    scene = rd.Scene()
+    scene.add_ground()
+    # In centimetres.
+    scene.add_mesh("brick", tmp_path / "brick.obj", at=(0, 0, 0.01), scale=0.01, density=1000.0)
+    robot = scene.robot()
+    assert robot.mass == pytest.approx(48.0, rel=1e-6)
+    motion = robot.simulate(robot.neutral(), duration=0.5)
+    assert motion.q[-1, 2] == pytest.approx(-0.01, abs=1e-5)
+    (tmp_path / "open.obj").write_text("\n".join(lines[:-1]))
+    with pytest.raises(rd.DescriptionError, match="open at 4 edges"):
+        scene.add_mesh("open", tmp_path / "open.obj", at=(0, 0, 1), mass=1.0)
+    scene.add_mesh("open", tmp_path / "open.obj", at=(0, 0, 1), mass=1.0, solid="hull")
+    with pytest.raises(ValueError, match="mass"):
+        scene.add_mesh("twice", tmp_path / "brick.obj", at=(0, 0, 1), mass=1.0, density=2.0)

@@ -2,17 +2,20 @@
 //! converts coordinates between the two.
 
 use pyo3::prelude::*;
-use robot_dynamics::description::{MassProperties, ModelError, RobotDescription};
+use robot_dynamics::description::{ModelError, RobotDescription};
 use robot_dynamics::model::{Model, lock_massless};
-use robot_dynamics::nalgebra::{Matrix3, Vector3};
 
-use crate::errors::{Class, exception};
-use crate::numbers::{self, array, configuration, shaped, vector};
+use crate::edits::mass_properties;
+use crate::errors::exception;
+use crate::numbers::{array, configuration, vector};
 use crate::robot::Robot;
 
 impl Robot {
     /// The state of a robot with another description; the Python half makes the robot from it.
-    fn edited(&self, edit: impl FnOnce(&mut RobotDescription) -> Result<(), ModelError>) -> PyResult<String> {
+    pub(crate) fn edited(
+        &self,
+        edit: impl FnOnce(&mut RobotDescription) -> Result<(), ModelError>,
+    ) -> PyResult<String> {
         let mut description = self.model.description().clone();
         edit(&mut description).map_err(exception)?;
         self.state_of(&description)
@@ -53,16 +56,7 @@ impl Robot {
         center_of_mass: &Bound<'_, PyAny>,
         inertia: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
-        let (_, center) = shaped(py, "center_of_mass", center_of_mass, &[3])?;
-        let moments = match inertia {
-            Some(inertia) => numbers::matrix(py, "inertia", inertia)?,
-            None => robot_dynamics::nalgebra::DMatrix::zeros(3, 3),
-        };
-        if moments.shape() != (3, 3) {
-            return Err(Class::Shape.error(py, "inertia must have shape (3, 3)"));
-        }
-        let moments = Matrix3::from_fn(|i, j| moments[(i, j)]);
-        let load = MassProperties::new(mass, Vector3::from_row_slice(&center), moments).map_err(exception)?;
+        let load = mass_properties(py, mass, center_of_mass, inertia)?;
         self.edited(|description| description.attach_payload(link, &load))
     }
 

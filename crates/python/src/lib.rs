@@ -51,6 +51,7 @@ mod controllers;
 mod conventions;
 mod defaults;
 mod description;
+mod edits;
 mod files;
 mod identification;
 mod linearization;

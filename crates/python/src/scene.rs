@@ -1,9 +1,13 @@
 //! Scenes: robots and objects joined to one robot.
 
+use std::path::PathBuf;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::description::{JointKind, Mount, Object, Shape, Surface};
+use robot_dynamics::description::{Mount, Object, Shape};
+use robot_dynamics::{MeshMass, MeshSolid, mesh_object};
 
+use crate::edits::{JointWords, joint_kind, mass_properties};
 use crate::errors::exception;
 use crate::numbers::{pose_of, shaped};
 use crate::robot::Robot;
@@ -13,24 +17,6 @@ use crate::robot::Robot;
 #[derive(Debug)]
 pub(crate) struct Scene {
     scene: robot_dynamics::description::Scene,
-}
-
-/// A joint by its name and its axis; a floating or spherical joint has no axis.
-fn joint_kind(name: &str, axis: [f64; 3]) -> PyResult<JointKind> {
-    Ok(match name {
-        "fixed" => JointKind::Fixed,
-        "floating" => JointKind::Floating,
-        "spherical" => JointKind::Spherical,
-        "revolute" => JointKind::Revolute { axis },
-        "continuous" => JointKind::Continuous { axis },
-        "prismatic" => JointKind::Prismatic { axis },
-        "planar" => JointKind::Planar { normal: axis },
-        _ => {
-            return Err(PyValueError::new_err(format!(
-                "joint is {name:?}; it must be fixed, floating, spherical, revolute, continuous, prismatic or planar"
-            )));
-        }
-    })
 }
 
 /// A shape by its name and its lengths, as the methods `add_…` of `robot_dynamics.Scene` pass them.
@@ -62,16 +48,10 @@ impl Scene {
         robot: &Robot,
         parent: &str,
         pose: &Bound<'_, PyAny>,
-        joint: Option<&str>,
-        axis: &Bound<'_, PyAny>,
+        joint: Option<JointWords>,
         prefix: &str,
     ) -> PyResult<Vec<String>> {
-        let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
-        let (_, axis) = shaped(py, "axis", axis, &[3])?;
-        let mut mount = Mount::on(parent).with_pose(pose_of(&pose)).with_prefix(prefix);
-        if let Some(joint) = joint {
-            mount = mount.with_joint(joint_kind(joint, [axis[0], axis[1], axis[2]])?);
-        }
+        let mount = mount(py, parent, pose, joint)?.with_prefix(prefix);
         let before = self.scene.notes().len();
         let added = self.scene.add(robot.model.description(), &mount);
         added.map_err(exception)?;
@@ -85,30 +65,100 @@ impl Scene {
         name: &str,
         shape: &str,
         lengths: Vec<f64>,
+        parent: &str,
         pose: &Bound<'_, PyAny>,
+        joint: Option<JointWords>,
         mass: Option<f64>,
         density: Option<f64>,
         friction: Option<f64>,
     ) -> PyResult<()> {
-        let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
-        let shape = shape_of(shape, &lengths)?;
-        let object = match (mass, density) {
-            (Some(_), Some(_)) => return Err(PyValueError::new_err("give mass or density, not both")),
-            (Some(mass), None) => Object::of_mass(name, shape, mass),
-            (None, Some(density)) => Object::of_density(name, shape, density),
-            (None, None) => Object::fixed(name, shape),
+        let object = match shape {
+            "table" | "wall" if mass.is_some() || density.is_some() => {
+                return Err(PyValueError::new_err(format!("a {shape} is fixed and has no mass")));
+            }
+            "table" => Object::table(name, [lengths[0], lengths[1], lengths[2]]),
+            "wall" => {
+                let ends = [[lengths[0], lengths[1]], [lengths[2], lengths[3]]];
+                Object::wall(name, ends, lengths[4], lengths[5])
+            }
+            _ => {
+                let shape = shape_of(shape, &lengths)?;
+                match (mass, density) {
+                    (Some(_), Some(_)) => {
+                        return Err(PyValueError::new_err("give mass or density, not both"));
+                    }
+                    (Some(mass), None) => Object::of_mass(name, shape, mass),
+                    (None, Some(density)) => Object::of_density(name, shape, density),
+                    (None, None) => Object::fixed(name, shape),
+                }
+            }
         };
-        let mut surface = Surface::default();
-        if let Some(friction) = friction {
-            surface.friction[0] = friction;
-        }
-        let added = self.scene.add_object(&object.with_surface(surface), pose_of(&pose));
-        added.map_err(exception)
+        self.add_object(object, friction, mount(py, parent, pose, joint)?)
+    }
+
+    /// See `add_mesh`.
+    fn _add_mesh(
+        &mut self,
+        py: Python<'_>,
+        name: &str,
+        path: PathBuf,
+        scale: [f64; 3],
+        parent: &str,
+        pose: &Bound<'_, PyAny>,
+        joint: Option<JointWords>,
+        mass: Option<f64>,
+        density: Option<f64>,
+        center_of_mass: &Bound<'_, PyAny>,
+        inertia: Option<&Bound<'_, PyAny>>,
+        solid: &str,
+        friction: Option<f64>,
+    ) -> PyResult<()> {
+        let mass = match (mass, density, inertia) {
+            (None, None, None) => MeshMass::Fixed,
+            (Some(mass), None, None) => MeshMass::Mass(mass),
+            (None, Some(density), None) => MeshMass::Density(density),
+            (Some(mass), None, Some(inertia)) => {
+                MeshMass::Given(mass_properties(py, mass, center_of_mass, Some(inertia))?)
+            }
+            _ => return Err(PyValueError::new_err("give mass, density, or mass and inertia")),
+        };
+        let solid = match solid {
+            "exact" => MeshSolid::Exact,
+            "hull" => MeshSolid::Hull,
+            _ => return Err(PyValueError::new_err(format!("solid is {solid:?}; it must be exact or hull"))),
+        };
+        let object = py.detach(|| mesh_object(name, path, scale, mass, solid)).map_err(exception)?;
+        self.add_object(object, friction, mount(py, parent, pose, joint)?)
     }
 
     /// The scene as one robot: its description as JSON.
     fn _description(&self) -> PyResult<String> {
         let description = serde_json::to_string(self.scene.description());
         description.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}
+
+impl Scene {
+    fn add_object(&mut self, object: Object, friction: Option<f64>, mount: Mount) -> PyResult<()> {
+        let object = match friction {
+            Some(friction) => object.with_friction(friction),
+            None => object,
+        };
+        self.scene.add_object(&object, mount).map_err(exception)
+    }
+}
+
+/// The place of a robot or an object.
+fn mount(
+    py: Python<'_>,
+    parent: &str,
+    pose: &Bound<'_, PyAny>,
+    joint: Option<JointWords>,
+) -> PyResult<Mount> {
+    let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
+    let mount = Mount::on(parent).with_pose(pose_of(&pose));
+    match joint {
+        Some(joint) => Ok(mount.with_joint(joint_kind(&joint)?)),
+        None => Ok(mount),
     }
 }
