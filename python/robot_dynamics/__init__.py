@@ -58,6 +58,7 @@ from robot_dynamics.errors import (
     StateError,
 )
 from robot_dynamics.files import RobotText, UnsupportedFeature
+from robot_dynamics.fluid import FluidForceDerivatives
 from robot_dynamics.ground import Ground, HeightField
 from robot_dynamics.identification import IdentificationResult
 from robot_dynamics.loading import example, load, loads, random_robot
@@ -104,6 +105,7 @@ __all__ = [
     "EnergyAccount",
     "Event",
     "Finding",
+    "FluidForceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsPullback",
     "ForwardDynamicsPullbackWithParameters",

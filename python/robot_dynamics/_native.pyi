@@ -410,6 +410,10 @@ class Robot:
         """The effort limits of all coordinates."""
     def _file_read_at(self, path: _Path) -> Path | None:
         """The one of the robot's files that is at this path; links are resolved."""
+    def _fluid_force_derivatives(self, q: Numbers, v: Numbers) -> tuple[_Array, _Array]:
+        """See `fluid_force_derivatives`."""
+    def _fluid_forces(self, q: Numbers, v: Numbers) -> _Array:
+        """See `fluid_forces`."""
     def _generate(self, target: str, functions: Sequence[str], folder: _Path | None, *, single: bool, fused: bool, platform_sine: bool, lanes: bool, name: str | None, states: int) -> list[tuple[str, str]]:
         """See `generate`."""
     def _identify(self, q: Numbers, v: Numbers, a: Numbers, tau: Numbers, base: BaseParameters | None, *, dissipation: bool) -> _Record:
@@ -470,6 +474,8 @@ class Robot:
         """See `with_actuated_joints`."""
     def _with_attached(self, robot: Robot, parent: str, pose: Numbers, joint: _JointWords | None, prefix: str) -> tuple[str, list[str]]:
         """See `with_attached`."""
+    def _with_fluid(self, density: float, viscosity: float, wind: _Three) -> str:
+        """See `with_fluid`."""
     def _with_frame(self, name: str, parent: str, pose: Numbers) -> str:
         """See `with_frame`."""
     def _with_gravity_scaled(self, factor: float) -> str:

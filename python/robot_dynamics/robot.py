@@ -26,6 +26,7 @@ from robot_dynamics import (
     wrenches,
 )
 from robot_dynamics import constraints as constraint_functions
+from robot_dynamics import fluid as fluid_functions
 from robot_dynamics import sensors as sensor_functions
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.report import LoadReport
@@ -467,6 +468,40 @@ class Robot(_native.Robot):
             rows.append((name, kind, place, reference))
         return self._edited(self._with_sensors(rows))
 
+    def with_fluid(self, density: float, viscosity: float = 0.0, *, wind: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Robot:
+        """Robot in a fluid, such as air or water.
+
+        Its drag acts on the ellipsoids that an MJCF file states, and on the inertia box of every other link
+        with mass, as in MuJoCo. Simulations include it with the other dissipative forces. There is no
+        buoyancy.
+
+        Parameters
+        ----------
+        density : float
+            Density [kg/m³]: 1.2 for air, 1000 for water.
+        viscosity : float
+            Viscosity [Pa·s]: 0.00002 for air, 0.0009 for water.
+        wind : tuple of float
+            Velocity of the fluid in the world (3,) [m/s].
+
+        Returns
+        -------
+        Robot
+            The robot in this fluid.
+
+        Raises
+        ------
+        DescriptionError
+            A number is negative or not finite.
+
+        Examples
+        --------
+        >>> swimmer = rd.example("two_r").with_fluid(1000.0, 9e-4)
+        >>> swimmer.fluid_forces([0.0, 0.0], [1.0, 0.0])[0] < 0
+        np.True_
+        """
+        return self._edited(self._with_fluid(density, viscosity, wind))
+
     def with_gravity_scaled(self, factor: float) -> Robot:
         """Robot with gravity scaled by a factor.
 
@@ -549,6 +584,8 @@ class Robot(_native.Robot):
     forward_dynamics_with_wrenches = wrenches.forward_dynamics_with_wrenches
     inverse_dynamics_derivatives_with_wrenches = wrenches.inverse_dynamics_derivatives_with_wrenches
     forward_dynamics_derivatives_with_wrenches = wrenches.forward_dynamics_derivatives_with_wrenches
+    fluid_forces = fluid_functions.fluid_forces
+    fluid_force_derivatives = fluid_functions.fluid_force_derivatives
     joint_reactions = sensor_functions.joint_reactions
     sensor_values = sensor_functions.sensor_values
 

@@ -1,8 +1,9 @@
 //! The JSON output of `dynamics inspect`.
 
 use robot_dynamics::description::{
-    ActuatorDescription, Base, EndEffectorDescription, EqualityDescription, GroupDescription, Limits,
-    LinkShape, LoadReport, Mimic, NamedPose, PassiveForces, SensorDescription, TendonDescription,
+    ActuatorDescription, Base, EndEffectorDescription, EqualityDescription, FluidShape, GroupDescription,
+    Limits, LinkShape, LoadReport, Medium, Mimic, NamedPose, PassiveForces, SensorDescription,
+    TendonDescription,
 };
 use robot_dynamics::model::{Joint, Model};
 use serde::Serialize;
@@ -22,6 +23,11 @@ pub(crate) struct Inspection<'a> {
     links: Vec<LinkRow<'a>>,
     actuators: &'a [ActuatorDescription],
     tendons: &'a [TendonDescription],
+    /// The fluid and the shapes on which it acts; absent without a fluid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    medium: Option<Medium>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    fluid_shapes: &'a [FluidShape],
     equalities: &'a [EqualityDescription],
     sensors: &'a [SensorDescription],
     poses: &'a [NamedPose],
@@ -102,6 +108,8 @@ impl<'a> Inspection<'a> {
             links: links.collect(),
             actuators: &description.actuators,
             tendons: &description.tendons,
+            medium: Some(description.medium).filter(Medium::acts),
+            fluid_shapes: &description.fluid_shapes,
             equalities: &description.equalities,
             sensors: &description.sensors,
             poses: &description.poses,

@@ -1,6 +1,7 @@
 //! Changes of a description before it is compiled: parts added and removed, another root, other masses,
-//! joints locked.
+//! joints locked, a fluid around the robot.
 
+mod immerse;
 mod lock;
 mod mass;
 mod motion;

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Write};
 
-use crate::RobotDescription;
+use crate::{Medium, RobotDescription};
 
 /// The hash of everything that affects a robot's motion: all but its shapes, sensors, poses and groups.
 #[doc(hidden)]
@@ -20,6 +20,8 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
         contact_exclusions: _,
         contact_pairs: _,
         tendons,
+        medium,
+        fluid_shapes,
         equalities,
         actuators,
         sensors: _,
@@ -34,7 +36,10 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
     let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
     // Without a list of actuated joints nothing is hashed, so that such robots keep their fingerprints.
     let chosen = actuated_joints.as_ref().map_or(Ok(()), |joints| write!(hash, "{joints:?}"));
-    debug_assert!(written.and(chosen).is_ok(), "a description has a text");
+    // Likewise for robots without a fluid.
+    let is_dry = *medium == Medium::default() && fluid_shapes.is_empty();
+    let wet = if is_dry { Ok(()) } else { write!(hash, "{medium:?}{fluid_shapes:?}") };
+    debug_assert!(written.and(chosen).and(wet).is_ok(), "a description has a text");
     hash.0
 }
 

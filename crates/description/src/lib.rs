@@ -13,6 +13,7 @@ mod equality;
 mod error;
 mod finding_group;
 mod fingerprint;
+mod fluid;
 mod frame;
 mod group;
 mod inertia;
@@ -47,6 +48,7 @@ pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
+pub use fluid::{FluidEllipsoid, FluidForm, FluidShape, Medium};
 pub use frame::FrameDescription;
 pub use group::{EndEffectorDescription, GroupDescription};
 pub use inertia::{

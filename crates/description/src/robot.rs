@@ -9,9 +9,9 @@ use std::collections::{HashMap, HashSet};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ActuatorDescription, ContactPairDescription, EndEffectorDescription, EqualityDescription,
-    FrameDescription, GroupDescription, JointDescription, JointKind, LinkShape, MassProperties, NamedPose,
-    SensorDescription, TendonDescription,
+    ActuatorDescription, ContactPairDescription, EndEffectorDescription, EqualityDescription, FluidShape,
+    FrameDescription, GroupDescription, JointDescription, JointKind, LinkShape, MassProperties, Medium,
+    NamedPose, SensorDescription, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -47,6 +47,12 @@ pub struct RobotDescription {
     /// Tendons over joints.
     #[cfg_attr(feature = "serde", serde(default))]
     pub tendons: Vec<TendonDescription>,
+    /// The fluid around the robot.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub medium: Medium,
+    /// The parts of links on which the fluid acts.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub fluid_shapes: Vec<FluidShape>,
     /// Equalities in addition to the tree.
     #[cfg_attr(feature = "serde", serde(default))]
     pub equalities: Vec<EqualityDescription>,
@@ -91,6 +97,8 @@ impl RobotDescription {
             contact_exclusions: Vec::new(),
             contact_pairs: Vec::new(),
             tendons: Vec::new(),
+            medium: Medium::default(),
+            fluid_shapes: Vec::new(),
             equalities: Vec::new(),
             actuators: Vec::new(),
             sensors: Vec::new(),

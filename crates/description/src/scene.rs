@@ -50,7 +50,8 @@ impl Scene {
 
     /// Adds a robot.
     ///
-    /// Gravity is that of the scene. The step and `impratio` are those of the first robot that states them.
+    /// Gravity is that of the scene. The step, `impratio` and the fluid are those of the first robot that
+    /// states them.
     /// [`notes`](Self::notes) lists the robots that state other ones. Named poses keep the robot's own
     /// controls; the controls of other robots are 0 in them.
     ///

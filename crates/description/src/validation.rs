@@ -3,6 +3,7 @@
 mod actuators;
 mod checks;
 mod equalities;
+mod fluid;
 mod groups;
 mod joints;
 mod names;
@@ -14,6 +15,7 @@ use self::actuators::check_actuators;
 pub(crate) use self::checks::check_pose;
 use self::checks::{check, index_names};
 use self::equalities::check_equalities;
+use self::fluid::check_fluid;
 use self::groups::check_groups;
 pub(crate) use self::joints::check_joint;
 use self::joints::check_joint_forces;
@@ -57,6 +59,7 @@ pub fn validate(description: &RobotDescription) -> Result<Tree, ModelError> {
     description.joints.iter().try_for_each(check_joint_forces)?;
     let names = Names::new(description);
     check_tendons(description, &names)?;
+    check_fluid(description, &links)?;
     check_equalities(description, &names)?;
     check_actuators(description, &names)?;
     check_sensors(description, &names)?;

@@ -31,6 +31,7 @@ impl Reader<'_> {
             body.sites.iter_mut().for_each(|site| site.body_from_site = back * site.body_from_site);
             let turn = back.rotation.to_rotation_matrix();
             masses[index].properties = Some(properties.transformed(&turn, &back.translation.vector));
+            masses[index].frame = Some(Isometry3::identity());
             let element = body.element.clone();
             self.report_read(&element, "its frame is aligned with its inertia");
         }

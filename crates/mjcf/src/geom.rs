@@ -54,6 +54,8 @@ pub(crate) struct Geom {
     /// The mesh of the geom, or the mesh to which a primitive is fitted.
     pub(crate) mesh: Option<String>,
     pub(crate) fit_scale: f64,
+    /// The coefficients of its fluid forces, if a fluid acts on it as an ellipsoid.
+    pub(crate) fluid: Option<[f64; 5]>,
 }
 
 impl Reader<'_> {
@@ -106,8 +108,22 @@ impl Reader<'_> {
         #[allow(clippy::cast_possible_truncation)] // groups are small whole numbers
         let group = self.number(&element, "group").unwrap_or(0.0) as i64;
         let fit_scale = self.number(&element, "fitscale").unwrap_or(1.0);
+        let fluid = self.fluid_coefficients(&element);
         let body_from_geom = frame * own;
-        Geom { name, element, form, size, body_from_geom, mass, density, shell, group, mesh, fit_scale }
+        Geom {
+            name,
+            element,
+            form,
+            size,
+            body_from_geom,
+            mass,
+            density,
+            shell,
+            group,
+            mesh,
+            fit_scale,
+            fluid,
+        }
     }
 
     /// The placement by `fromto`: z points from the second point to the first, as in MuJoCo, and the distance

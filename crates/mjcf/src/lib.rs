@@ -54,6 +54,7 @@ mod settings;
 // Bodies and their content.
 mod body;
 mod builtin_mesh;
+mod fluid;
 mod geom;
 mod inertial;
 mod joint;
@@ -71,6 +72,7 @@ mod alignment;
 mod assembly;
 mod mass;
 mod names;
+mod principal_axes;
 mod simple_slides;
 
 // Actuators, sensors, constraints, keyframes and shapes.

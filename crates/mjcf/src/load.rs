@@ -154,6 +154,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let pairs = reader.pairs(&bodies);
     reader.shapes(&bodies, &table.links, &pairs, &mut robot);
     reader.keep_pairs(pairs, &mut robot);
+    reader.fluid(&bodies, &masses, &table.links, disabled, &mut robot);
     reader.exclusions(&bodies, &table, &mut robot);
     reader.tendons(&table, disabled, &mut robot);
     reader.equalities(&bodies, &table, &mut robot);

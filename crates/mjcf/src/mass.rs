@@ -197,7 +197,7 @@ impl Reader<'_> {
 
     /// The extent of a mesh; `None` with an error if it cannot be used. An unknown mesh is reported by
     /// `mesh_shape`.
-    fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
+    pub(crate) fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
         self.mesh_named(mesh)?;
         match &*self.mesh_extent(mesh, geom.shell && geom.form == GeomType::Mesh) {
             Ok(extent) => Some(*extent),
@@ -212,7 +212,7 @@ impl Reader<'_> {
 
     /// Size and frame of a primitive that is fitted to a mesh. Its axes are the principal axes of the mesh,
     /// the longest along z. Its size is that of the box with the same inertia.
-    fn fit_primitive(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
+    pub(crate) fn fit_primitive(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
         if self.compiler(&geom.element).fit_bounds {
             let message = "fitaabb is not supported: the mass of the primitive is that of the inertia box";
             self.report_ignored_physics(&geom.element, message);

@@ -1,8 +1,10 @@
 //! The mass properties of a mesh, by the four methods of MJCF.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use robot_dynamics_description::MassProperties;
 use robot_dynamics_mesh::{Triangles, hull, open_edges};
+
+use crate::principal_axes::principal_axes;
 
 /// The values of the attribute `inertia` of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +29,10 @@ pub(crate) struct MeshExtent {
     pub(crate) body: MassProperties,
     /// The number of edges where the surface of a solid is open.
     pub(crate) open_edges: usize,
+    /// The frame at the centre of mass along the principal axes, and the largest distance of the mesh's
+    /// points from each of its coordinate planes.
+    pub(crate) mesh_from_box: Isometry3<f64>,
+    pub(crate) half_size: [f64; 3],
 }
 
 /// The mass properties of a mesh at density 1. For a mesh without faces they are those of its convex hull.
@@ -54,7 +60,11 @@ pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExten
         MeshInertia::Legacy => sum_of_pyramids(&triangles, f64::abs)
             .ok_or_else(|| "it has no volume; give it inertia=\"shell\"".to_owned()),
     }?;
-    Ok(MeshExtent { measure: body.mass(), body, open_edges: open })
+    let axes = principal_axes(&body.inertia_about_center_of_mass());
+    let mesh_from_box = Isometry3::from_parts(Translation3::from(body.center_of_mass()), axes.into());
+    let sizes = mesh.points.iter().map(|point| (axes.inverse() * (point - body.center_of_mass())).abs());
+    let half_size = sizes.fold(Vector3::zeros(), |most: Vector3<f64>, size| most.sup(&size)).into();
+    Ok(MeshExtent { measure: body.mass(), body, open_edges: open, mesh_from_box, half_size })
 }
 
 /// The pyramids from the centroid of the surface give the centre of mass. Those from the centre of mass give

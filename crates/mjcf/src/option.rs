@@ -1,4 +1,4 @@
-//! Reads `<option>`: gravity, time step and flags.
+//! Reads `<option>`: gravity, the fluid, time step and flags.
 
 use robot_dynamics_description::{Disposition, RobotDescription};
 use robot_dynamics_xml::excerpt;
@@ -33,6 +33,19 @@ impl Reader<'_> {
             if let Some(impratio) = self.number(&element, "impratio") {
                 robot.impratio = Some(impratio);
                 self.report_read(&element, format!("impratio {impratio}"));
+            }
+            for (name, unit) in [("density", "kg/m³"), ("viscosity", "Pa·s")] {
+                let Some(value) = self.magnitude(&element, name) else { continue };
+                if name == "density" {
+                    robot.medium.density = value
+                } else {
+                    robot.medium.viscosity = value
+                }
+                self.report_read(&element, format!("{name} of the fluid {value} {unit}"));
+            }
+            if let Some(wind) = self.numbers::<3>(&element, "wind") {
+                robot.medium.wind = wind;
+                self.report_read(&element, format!("velocity of the fluid {wind:?} m/s"));
             }
             if let Some(integrator) = self.text(&element, "integrator") {
                 let message =

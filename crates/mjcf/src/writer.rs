@@ -4,6 +4,7 @@ mod actuators;
 mod bodies;
 mod chain;
 mod constraints;
+mod fluid;
 mod joints;
 mod poses;
 mod sensors;
@@ -14,8 +15,8 @@ use std::path::Path;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{
-    EARTH_GRAVITY, JointKind, LinkShape, ModelError, Pose, RobotDescription, Shape, UnsupportedFeature,
-    WrittenFile,
+    EARTH_GRAVITY, FluidEllipsoid, FluidForm, JointKind, LinkShape, Medium, ModelError, Pose,
+    RobotDescription, Shape, UnsupportedFeature, WrittenFile,
 };
 use robot_dynamics_xml::{Writer, excerpt, is_name};
 
@@ -94,6 +95,8 @@ struct MjcfWriter<'r> {
     /// The shapes of each link, with the name of their mesh or height field.
     shapes: HashMap<&'r str, Vec<(&'r LinkShape, Option<String>)>>,
     shape_names: Names,
+    /// The ellipsoids in a fluid that are not written yet.
+    ellipsoids: HashMap<&'r str, Vec<(Pose, FluidEllipsoid)>>,
     /// Whether there are visual shapes.
     has_looks: bool,
     /// The moving joints in the order of the file: index in the robot, or `None` for its floating base.
@@ -124,6 +127,12 @@ impl<'r> MjcfWriter<'r> {
         for frame in &robot.frames {
             site_names.reserve(&frame.name);
         }
+        let mut ellipsoids: HashMap<_, Vec<_>> = HashMap::new();
+        for shape in &robot.fluid_shapes {
+            if let FluidForm::Ellipsoid(own) = shape.form {
+                ellipsoids.entry(shape.link.as_str()).or_default().push((shape.link_from_shape, own));
+            }
+        }
         Self {
             robot,
             folder,
@@ -142,6 +151,7 @@ impl<'r> MjcfWriter<'r> {
             zones: HashMap::new(),
             shapes: HashMap::new(),
             shape_names: Names::default(),
+            ellipsoids,
             has_looks: false,
             order: Vec::new(),
             written_actuators: Vec::new(),
@@ -206,13 +216,15 @@ impl<'r> MjcfWriter<'r> {
     fn write_settings(&mut self) {
         self.xml.start("compiler").attribute("angle", "radian").attribute("autolimits", "true");
         self.xml.attribute("inertiafromgeom", "false").end();
-        let RobotDescription { gravity, time_step, impratio, .. } = self.robot;
+        let RobotDescription { gravity, time_step, impratio, medium, .. } = self.robot;
         let magnetic = self.magnetic_field();
-        if *gravity != EARTH_GRAVITY || time_step.is_some() || impratio.is_some() || magnetic.is_some() {
+        let has_physics = *gravity != EARTH_GRAVITY || *medium != Medium::default() || magnetic.is_some();
+        if has_physics || time_step.is_some() || impratio.is_some() {
             self.xml.start("option");
             if *gravity != EARTH_GRAVITY {
                 self.xml.numbers("gravity", gravity);
             }
+            self.write_medium();
             if let Some(step) = time_step {
                 self.xml.numbers("timestep", &[*step]);
             }

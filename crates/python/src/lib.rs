@@ -53,6 +53,7 @@ mod defaults;
 mod description;
 mod edits;
 mod files;
+mod fluid;
 mod identification;
 mod linearization;
 mod numbers;

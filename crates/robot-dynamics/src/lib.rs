@@ -75,14 +75,14 @@ pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
         Disposition, EARTH_GRAVITY, EditNote, Elevation, EndEffectorDescription, Equality,
-        EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FrameDescription, GroupDescription,
-        InertiaError, JointDescription, JointKind, JointKinds, JointSolverImpedance, Limits, LinkDescription,
-        LinkShape, LoadCounts, LoadReport, MassProperties, Mimic, ModelError, Mount, NamedPose, Object,
-        PassiveForces, PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion,
-        RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription,
-        SensorKind, SensorObject, Severity, Shape, ShapeRole, SolverImpedance, Surface, TendonDescription,
-        TendonSolverImpedance, Transmission, UnsupportedFeature, WrittenFile, parallel_axis,
-        parallel_axis_planar, pendulum, random_robot,
+        EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FluidEllipsoid, FluidForm, FluidShape,
+        FrameDescription, GroupDescription, InertiaError, JointDescription, JointKind, JointKinds,
+        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
+        Medium, Mimic, ModelError, Mount, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
+        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
+        RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
+        SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
+        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
     };
 }
 
@@ -171,11 +171,11 @@ pub mod simulation {
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
         Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller, ControllerError,
-        DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, ImplicitIntegrator,
-        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
-        SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace,
-        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_account, record_step, step, step_stages,
-        steps_in,
+        DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace, GravityAt,
+        GravityCompensatedPd, ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run,
+        RunError, RunFailure, Sample, SensorInputs, SensorMemory, SensorSet, StateTransition, StepError,
+        StepForces, StepInfo, StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque,
+        energy_account, record_step, step, step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{

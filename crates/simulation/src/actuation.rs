@@ -1,5 +1,5 @@
 //! Forces on the joints from outside the rigid bodies: tendons, actuators, compensated weight of links,
-//! springs of ball and floating joints, and nonlinear terms.
+//! springs of ball and floating joints, nonlinear terms, and a fluid.
 //!
 //! τ = τ_passive(q, v) + τ_actuators(u, q, v) is an input of forward dynamics. None of it is part of M, C or
 //! g. Cost: O(joints of the tendons and actuators). Stiff springs and dampers of this kind need implicit
@@ -16,6 +16,7 @@ mod workspace;
 
 pub use workspace::ActuationWorkspace;
 
+use crate::FluidForces;
 use carried_weight::CarriedWeight;
 use pose_spring::PoseSpring;
 use robot_dynamics_core::Model;
@@ -26,7 +27,7 @@ use transmission::Drive;
 
 pub(crate) use coupling::Coupling;
 
-/// The tendons, actuators and carried weight of one robot, ready to be evaluated.
+/// The tendons, actuators, carried weight and fluid of one robot, ready to be evaluated.
 ///
 /// ```
 /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
@@ -51,6 +52,8 @@ pub struct Actuation {
     springs: Vec<PoseSpring>,
     actuators: Vec<(ActuatorDescription, Drive)>,
     weight: Option<CarriedWeight>,
+    /// The forces of the fluid, unless they are empty.
+    fluid: Option<FluidForces>,
     /// Coordinates with bounds on the sum of their actuators, and the bounds.
     bounded: Vec<(usize, [f64; 2])>,
     /// Coordinates at which the carried weight comes from the actuators.
@@ -94,6 +97,7 @@ impl Actuation {
             springs,
             actuators,
             weight: CarriedWeight::new(model)?,
+            fluid: Some(FluidForces::new(model)).filter(|fluid| !fluid.is_empty()),
             bounded,
             by_actuators,
             nv: model.nv(),
@@ -142,7 +146,7 @@ impl Actuation {
         self
     }
 
-    /// Removes the damping and friction of tendons, and the damping of springs.
+    /// Removes the damping and friction of tendons, the damping of springs, and the forces of the fluid.
     ///
     /// ```
     /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
@@ -162,7 +166,22 @@ impl Actuation {
     pub fn without_dissipation(mut self) -> Self {
         self.tendons.iter_mut().for_each(Tendon::forget_dissipation);
         self.springs.iter_mut().for_each(PoseSpring::forget_dissipation);
-        self
+        self.without_fluid()
+    }
+
+    /// Removes the forces of the fluid.
+    pub(crate) fn without_fluid(self) -> Self {
+        Self { fluid: None, ..self }
+    }
+
+    /// The forces of the fluid, if there is one.
+    pub(crate) fn fluid(&self) -> Option<&FluidForces> {
+        self.fluid.as_ref()
+    }
+
+    /// Whether a fluid exerts forces.
+    pub(crate) fn has_fluid(&self) -> bool {
+        self.fluid.is_some()
     }
 
     /// Removes the springs of tendons, ball joints and floating joints, and the compensated weight. Actuators
@@ -212,7 +231,7 @@ impl Actuation {
     /// Whether no such force acts.
     pub fn is_empty(&self) -> bool {
         let has_springs = !(self.tendons.is_empty() && self.springs.is_empty());
-        !has_springs && self.actuators.is_empty() && self.weight.is_none()
+        !has_springs && self.actuators.is_empty() && self.weight.is_none() && self.fluid.is_none()
     }
 
     /// Returns memory for the calls, which then do not allocate.

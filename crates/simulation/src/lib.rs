@@ -2,6 +2,9 @@
 
 // Each module uses those before it alone (`cargo xtask tidy` checks).
 
+// The forces of a fluid.
+mod fluid;
+
 // Actuators, tendons, passive forces beyond the joints.
 mod actuation;
 
@@ -43,6 +46,7 @@ pub use contact::{
     ActiveSet, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation, Ground,
     HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
 };
+pub use fluid::{FluidForces, FluidWorkspace};
 pub use motion::RobotState;
 pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;

@@ -217,6 +217,9 @@ impl UrdfWriter<'_> {
             self.add_loss(&format!("link {:?}", excerpt(&link.name)), message);
         }
         let none = "not supported by URDF";
+        if robot.medium.acts() {
+            self.add_loss("fluid", format!("the forces of a fluid: {none}"));
+        }
         for tendon in &robot.tendons {
             self.add_loss(
                 &format!("tendon {:?}", excerpt(&tendon.name)),

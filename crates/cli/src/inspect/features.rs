@@ -3,7 +3,9 @@
 
 use std::fmt::Write;
 
-use robot_dynamics::description::{Equality, RobotDescription, SensorObject, Shape, ShapeRole, Transmission};
+use robot_dynamics::description::{
+    Equality, FluidForm, RobotDescription, SensorObject, Shape, ShapeRole, Transmission,
+};
 use robot_dynamics::model::Model;
 use robot_dynamics::text::one_line;
 
@@ -16,6 +18,7 @@ pub(super) fn parts(model: &Model) -> Vec<String> {
         actuators(robot),
         tendons(robot),
         springs(robot),
+        fluid(robot),
         equalities(robot),
         sensors(robot),
         poses(robot),
@@ -75,6 +78,25 @@ fn springs(robot: &RobotDescription) -> String {
     } else {
         format!("Springs of spherical and floating joints, not part of g:\n{text}")
     }
+}
+
+/// The fluid, and the number of shapes on which it acts.
+fn fluid(robot: &RobotDescription) -> String {
+    let medium = &robot.medium;
+    if !medium.acts() {
+        return String::new();
+    }
+    let is_box = |form: &FluidForm| matches!(form, FluidForm::InertiaBox { .. });
+    let boxes = robot.fluid_shapes.iter().filter(|shape| is_box(&shape.form)).count();
+    let ellipsoids = robot.fluid_shapes.len() - boxes;
+    let [density, viscosity] = [medium.density, medium.viscosity].map(short);
+    let mut text = format!("Fluid of {density} kg/m³ and {viscosity} Pa·s");
+    if medium.wind != [0.0; 3] {
+        let _ = write!(text, ", wind {} m/s", medium.wind.map(short).join(" "));
+    }
+    let boxes = if boxes == 1 { "1 inertia box".to_owned() } else { format!("{boxes} inertia boxes") };
+    let _ = writeln!(text, ", on {boxes} and {} (not part of M, C and g)", count(ellipsoids, "ellipsoid"));
+    text
 }
 
 fn equalities(robot: &RobotDescription) -> String {

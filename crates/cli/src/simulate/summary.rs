@@ -118,8 +118,12 @@ impl Summary<'_> {
         if self.arguments.conservative {
             return "no damping, friction, limits, actuators or contact".into();
         }
+        let robot = self.model.description();
+        let has_fluid = robot.medium.acts() && !robot.fluid_shapes.is_empty();
+        let losses =
+            if has_fluid { "with damping, friction and a fluid" } else { "with damping and friction" };
         let words = [
-            (Effect::Dissipation, "with damping and friction"),
+            (Effect::Dissipation, losses),
             (Effect::Springs, "with springs and gravity compensation"),
             (Effect::Limits, "with position limits"),
         ];

@@ -154,6 +154,7 @@ impl RobotDescription {
             }
             !is_removed
         });
+        self.fluid_shapes.retain(|shape| !links.contains(&shape.link));
         for shape in &self.shapes {
             shapes.remove(&shape.name);
         }

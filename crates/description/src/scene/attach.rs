@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::mount::{Mount, WORLD};
 use super::prefix::Renaming;
-use crate::{Base, EditNote, JointDescription, JointKind, ModelError, Pose, RobotDescription};
+use crate::{Base, EditNote, JointDescription, JointKind, Medium, ModelError, Pose, RobotDescription};
 
 impl RobotDescription {
     /// Attaches another robot to a link or frame, for example a gripper to an arm. Every name of the other
@@ -128,6 +128,11 @@ impl RobotDescription {
             let [own, stated] = [self.gravity, robot.gravity].map(|gravity| format!("{gravity:?} m/s²"));
             differ("gravity", own, stated);
         }
+        let (own, stated) = (self.medium, robot.medium);
+        if own != stated && own != Medium::default() && stated != Medium::default() {
+            let text = |medium: Medium| format!("{} kg/m³ and {} Pa·s", medium.density, medium.viscosity);
+            differ("a fluid of", text(own), text(stated));
+        }
         for (quantity, own, stated) in
             [("a time step of", self.time_step, robot.time_step), ("impratio", self.impratio, robot.impratio)]
         {
@@ -170,6 +175,10 @@ impl RobotDescription {
         own.contact_exclusions.extend(part.contact_exclusions);
         own.contact_pairs.extend(part.contact_pairs);
         own.tendons.extend(part.tendons);
+        own.fluid_shapes.extend(part.fluid_shapes);
+        if own.medium == Medium::default() {
+            own.medium = part.medium;
+        }
         own.equalities.extend(part.equalities);
         own.actuators.extend(part.actuators);
         own.sensors.extend(part.sensors);

@@ -5,8 +5,8 @@ use crate::joint::{JointDescription, Mimic};
 use crate::robot::LinkDescription;
 use crate::{
     ActuatorDescription, ContactPairDescription, EndEffectorDescription, Equality, EqualityDescription,
-    FrameDescription, GroupDescription, LinkShape, NamedPose, RobotDescription, SensorDescription,
-    SensorObject, TendonDescription,
+    FluidShape, FrameDescription, GroupDescription, LinkShape, NamedPose, RobotDescription,
+    SensorDescription, SensorObject, TendonDescription,
 };
 
 /// The new name of each object, by its old name.
@@ -48,6 +48,8 @@ impl Renaming<'_> {
             contact_exclusions,
             contact_pairs,
             tendons,
+            medium: _,
+            fluid_shapes,
             equalities,
             actuators,
             sensors,
@@ -87,6 +89,9 @@ impl Renaming<'_> {
             for (joint, _) in terms {
                 self.object(joint);
             }
+        }
+        for FluidShape { link, link_from_shape: _, form: _ } in fluid_shapes {
+            self.link(link);
         }
         for equality in equalities {
             self.equality(equality);

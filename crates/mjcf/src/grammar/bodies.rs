@@ -90,10 +90,12 @@ pub(super) const RULES: &[Rule] = &[
             "fitscale",
             "rgba",
             "material",
+            "fluidshape",
+            "fluidcoef",
         ],
     )
-    .ignored(&["castshadow", "fluidcoef", "user"])
-    .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
+    .ignored(&["castshadow", "user"])
+    .physics(&[("surfacevel", "0"), ("adhesion", "0")]),
     read(
         BODIES_OR_DEFAULT,
         "site",

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use nalgebra::{Rotation3, UnitQuaternion};
 use robot_dynamics_description::{Base, JointKind, Pose, Quaternion, Transmission};
 use robot_dynamics_xml::excerpt;
 
@@ -143,7 +144,15 @@ impl<'r> MjcfWriter<'r> {
             self.xml.start("inertial").numbers("pos", center.as_slice()).numbers("mass", &[own.mass()]);
             let moments = [i[(0, 0)], i[(1, 1)], i[(2, 2)]];
             let products = [i[(0, 1)], i[(0, 2)], i[(1, 2)]];
-            if products == [0.0; 3] {
+            let axes = self.box_axes(&link.name, own).filter(|axes| *axes != Rotation3::identity());
+            if let Some(axes) = axes {
+                // The axes of a box in a fluid are those of the inertia as written.
+                let quaternion = UnitQuaternion::from_rotation_matrix(&axes);
+                let turn = quaternion.to_rotation_matrix();
+                let moments = (turn.transpose() * i * turn).diagonal();
+                self.xml.numbers("quat", &[quaternion.w, quaternion.i, quaternion.j, quaternion.k]);
+                self.xml.numbers("diaginertia", moments.as_slice());
+            } else if products == [0.0; 3] {
                 self.xml.numbers("diaginertia", &moments);
             } else {
                 self.xml.numbers("fullinertia", &[moments, products].concat());
@@ -175,6 +184,7 @@ impl<'r> MjcfWriter<'r> {
         for (shape, asset) in self.shapes.remove(name).unwrap_or_default() {
             self.write_shape(shape, asset.as_deref(), is_fixed_to_world);
         }
+        self.write_ellipsoids(name);
         for (name, place) in self.sites.remove(name).unwrap_or_default() {
             self.xml.start("site").attribute("name", &name);
             self.write_site_shape(&name);

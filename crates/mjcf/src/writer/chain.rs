@@ -26,6 +26,7 @@ impl MjcfWriter<'_> {
     pub(super) fn named_links(&self) -> HashSet<usize> {
         let robot = self.robot;
         let mut names: Vec<&str> = robot.shapes.iter().map(|shape| shape.link.as_str()).collect();
+        names.extend(robot.fluid_shapes.iter().map(|shape| shape.link.as_str()));
         names.extend(robot.frames.iter().map(|frame| frame.link.as_str()));
         names.extend(robot.contact_exclusions.iter().flat_map(|(a, b)| [a.as_str(), b]));
         for equality in &robot.equalities {

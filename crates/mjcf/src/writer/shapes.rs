@@ -119,6 +119,9 @@ impl<'r> MjcfWriter<'r> {
             self.xml.numbers("rgba", color);
         }
         self.write_surface(shape);
+        if let Some(coefficients) = self.take_ellipsoid(shape) {
+            self.write_coefficients(&coefficients);
+        }
         self.xml.end();
     }
 

@@ -27,8 +27,6 @@ fn whole(text: &str) -> String {
 /// The frame around the text, the text, and the place of its warning, on line 2.
 #[rustfmt::skip]
 pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
-    (in_file, "<option density='1.2'/>", "option"),
-    (in_file, "<option viscosity='1e-5'/>", "option"),
     (in_file, "<option><flag equality='disable'/></option>", "flag"),
     (in_file, "<tendon><spatial name='t'><site site='s'/></spatial></tendon>", r#"spatial "t""#),
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#),
@@ -37,7 +35,7 @@ pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
     (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#),
     (in_file, "<deformable><flex name='f'/></deformable>", "deformable"),
     (in_file, "<gravity/>", "gravity"),
-    (in_body, "<geom name='wing' size='1' mass='0' fluidshape='ellipsoid'/>", r#"geom "wing""#),
+    (in_body, "<geom name='wing' type='plane' size='1 1 1' fluidshape='ellipsoid'/>", r#"geom "wing""#),
     (in_body, "<plugin plugin='p'/>", "plugin"),
     (in_body, "<composite type='cable'/>", "composite"),
     (in_file, "<worldbody><body><joint name='k' type='free' frictionloss='1'/><geom size='1'/></body></worldbody>", r#"joint "k""#),
@@ -65,7 +63,7 @@ fn physics_that_is_not_read_is_named_with_its_line() {
 #[test]
 fn attributes_without_effect_give_notes() {
     let text = in_file(
-        "<option density='0' wind='0 0 0'/><actuator><motor joint='j' delay='0'/></actuator><option><flag contact='enable'/></option>",
+        "<worldbody><body name='b'><joint name='k'/><geom size='1' surfacevel='0 0 0' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag contact='enable'/></option>",
     );
     let robot = read(&text);
     assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 4), "{}", robot.report);

@@ -5,6 +5,7 @@ mod actuation;
 mod attach;
 mod contacts;
 mod faults;
+mod fluid;
 mod golden;
 mod height_fields;
 mod hostile;

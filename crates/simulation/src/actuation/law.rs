@@ -11,8 +11,8 @@ use super::workspace::ActuationWorkspace;
 use super::{Actuation, Coupling};
 
 impl Actuation {
-    /// Returns τ of tendons, actuators and carried weight together, nv entries \[N·m or N\]. `u` holds each
-    /// actuator's control, or its activation if it has one. Controls are limited to their ranges here.
+    /// Returns τ of tendons, actuators, carried weight and fluid together, nv entries \[N·m or N\]. `u` holds
+    /// each actuator's control, or its activation if it has one. Controls are limited to their ranges here.
     ///
     /// # Panics
     /// If a slice has the wrong length, or the model belongs to another robot.
@@ -27,18 +27,27 @@ impl Actuation {
         tau: &mut [f64],
     ) {
         self.actuator_torques(model, workspace, u, q, v, tau);
-        self.add_passive(workspace, q, v, tau);
+        self.add_passive(model, workspace, (q, v), tau);
     }
 
-    /// Adds the forces of tendons and springs, and the carried weight that
+    /// Adds the forces of tendons, springs and the fluid, and the carried weight that
     /// [`actuator_torques`](Self::actuator_torques) computed at this state and leaves out.
-    pub(crate) fn add_passive(&self, workspace: &ActuationWorkspace, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    pub(crate) fn add_passive(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        (q, v): (&[f64], &[f64]),
+        tau: &mut [f64],
+    ) {
         self.add_tendons(q, v, tau);
         self.add_weight(workspace, tau);
+        if let Some(fluid) = self.fluid_forces(model, workspace, q, v) {
+            tau.iter_mut().zip(fluid).for_each(|(tau, fluid)| *tau += fluid);
+        }
     }
 
-    /// Returns τ without actuators: springs, damping and friction outside the tree, and the carried weight,
-    /// nv entries.
+    /// Returns τ without actuators: springs, damping and friction outside the tree, the carried weight, and
+    /// the forces of the fluid, nv entries.
     ///
     /// # Panics
     /// As [`forces`](Self::forces).
@@ -54,8 +63,7 @@ impl Actuation {
         self.check(model, q, v, tau);
         self.carry(workspace, q);
         tau.fill(0.0);
-        self.add_weight(workspace, tau);
-        self.add_tendons(q, v, tau);
+        self.add_passive(model, workspace, (q, v), tau);
     }
 
     /// Returns τ of the actuators, with the carried weight if it comes from them, within the bounds of joints
@@ -143,7 +151,8 @@ impl Actuation {
         }
     }
 
-    /// Returns the power that damping and friction outside the tree dissipate \[W\], never negative.
+    /// Returns the power that damping and friction outside the tree, and the fluid, take from the robot
+    /// \[W\]. Only a fluid that moves can make it negative: wind drives the robot.
     ///
     /// ```
     /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
@@ -153,25 +162,75 @@ impl Actuation {
     /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 2.0)]);
     /// cable.passive = PassiveForces::default().with_damping(0.3);
     /// robot.tendons.push(cable);
-    /// let actuation = Actuation::new(&Model::new(robot)?)?;
-    /// assert_eq!(actuation.dissipated_power(&[0.0], &[5.0]), 0.3 * (2.0_f64 * 5.0).powi(2));
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let power = actuation.dissipated_power(&model, &mut actuation.workspace(), &[0.0], &[5.0]);
+    /// assert_eq!(power, 0.3 * (2.0_f64 * 5.0).powi(2));
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
-    pub fn dissipated_power(&self, q: &[f64], v: &[f64]) -> f64 {
+    pub fn dissipated_power(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        q: &[f64],
+        v: &[f64],
+    ) -> f64 {
         let tendons: f64 =
             self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum();
-        tendons + self.springs.iter().map(|spring| spring.lost_power(q, v, v)).sum::<f64>()
+        let springs: f64 = self.springs.iter().map(|spring| spring.lost_power(q, v, v)).sum();
+        tendons + springs + self.power_into_fluid(model, workspace, (q, v), v)
     }
 
-    /// Returns the energy that damping and friction outside the tree dissipate in h \[J\]. It is their
-    /// impulse for a displacement of h·`rate` about q, times the mean velocity.
+    /// −τ·`mean` of the fluid's forces at (q, v) \[W\].
+    pub(crate) fn power_into_fluid(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        (q, v): (&[f64], &[f64]),
+        mean: &[f64],
+    ) -> f64 {
+        let forces = self.fluid_forces(model, workspace, q, v);
+        forces.map_or(0.0, |forces| -forces.iter().zip(mean).map(|(tau, v)| tau * v).sum::<f64>())
+    }
+
+    /// Calls `add` with the entries of the damping by the fluid at (q, v): see
+    /// [`FluidForces::for_each_damping`](crate::FluidForces).
+    pub(crate) fn for_each_damping(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        state: (&[f64], &[f64]),
+        add: impl FnMut(usize, usize, f64),
+    ) {
+        if let Some(fluid) = &self.fluid {
+            let memory = workspace.fluid.get_or_insert_with(|| fluid.workspace(model));
+            fluid.for_each_damping(model, memory, state, add);
+        }
+    }
+
+    /// The generalized forces of the fluid, if there is one.
+    fn fluid_forces<'w>(
+        &self,
+        model: &Model,
+        workspace: &'w mut ActuationWorkspace,
+        q: &[f64],
+        v: &[f64],
+    ) -> Option<&'w [f64]> {
+        let fluid = self.fluid.as_ref()?;
+        let memory = workspace.fluid.get_or_insert_with(|| fluid.workspace(model));
+        Some(fluid.compute(model, memory, q, v))
+    }
+
+    /// Returns the energy that damping and friction outside the tree, without a fluid, dissipate in h \[J\].
+    /// It is their impulse for a displacement of h·`rate` about q, times the mean velocity.
     pub(crate) fn dissipated_over(&self, h: f64, q: &[f64], rate: &[f64], mean: &[f64]) -> f64 {
         let lost = |tendon: &Tendon| {
             let force = tendon.dissipative_force_at(tendon.length.rate(rate));
             (-force * tendon.length.rate(mean) * h).max(0.0)
         };
         let tendons: f64 = self.tendons.iter().map(lost).sum();
-        tendons + self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0)).sum::<f64>()
+        let springs = self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0));
+        tendons + springs.sum::<f64>()
     }
 
     /// Adds the stiffness and damping of servos and tendons to those of the coordinates. Terms over several

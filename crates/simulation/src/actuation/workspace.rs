@@ -3,6 +3,7 @@
 use robot_dynamics_core::{Model, Workspace};
 
 use super::transmission::FrameMemory;
+use crate::FluidWorkspace;
 
 /// The memory of [`Actuation`](super::Actuation)'s calls.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub struct ActuationWorkspace {
     /// The force of each actuator, and the total force of the actuators on each tendon.
     pub(super) forces: Vec<f64>,
     pub(super) on_tendons: Vec<f64>,
+    /// Allocated if there is a fluid.
+    pub(super) fluid: Option<FluidWorkspace>,
 }
 
 impl ActuationWorkspace {
@@ -26,7 +29,13 @@ impl ActuationWorkspace {
             weight: vec![0.0; nv],
             forces: vec![0.0; actuators],
             on_tendons: vec![0.0; tendons],
+            fluid: None,
         }
+    }
+
+    /// The forces of a fluid in the last call, if there is one.
+    pub(crate) fn last_fluid_forces(&self) -> Option<&[f64]> {
+        self.fluid.as_ref().map(FluidWorkspace::last_forces)
     }
 
     /// Each actuator's force in the last call.

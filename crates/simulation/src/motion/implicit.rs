@@ -76,6 +76,7 @@ clone_in_place! {
     /// | effect | treatment |
     /// | --- | --- |
     /// | damping, springs of joints | implicit, order 2, stable for any h |
+    /// | forces of a fluid | drag implicit, lift and added mass explicit, order 2 |
     /// | friction of joints and tendons | static friction without creep; sliding of order 2 between reversals |
     /// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
     /// | closed loops, coupled joints | Lagrange multipliers |
@@ -155,6 +156,8 @@ clone_in_place! {
         carried: Vec<f64>,
         /// The forces of the smooth part at both stages without C v and gravity.
         applied: Vec<f64>,
+        /// The impulse of a fluid in one pass, and a product with its damping matrix.
+        fluid: [Vec<f64>; 2],
         /// The packed matrix M̂.
         matrix: Vec<f64>,
         /// A configuration before one move, and before all corrections.
@@ -214,6 +217,7 @@ impl ImplicitIntegrator {
                 driven: zeros(),
                 carried: zeros(),
                 applied: zeros(),
+                fluid: [zeros(), zeros()],
                 matrix: Vec::with_capacity(usual_entries(model.nv())),
                 before: vec![0.0; model.nq()],
                 uncorrected: vec![0.0; model.nq()],
@@ -227,19 +231,20 @@ impl ImplicitIntegrator {
         self
     }
 
-    /// Adds tendons, gravity compensation and actuators at these controls ([`Actuation`]); their stiffness
-    /// and damping are implicit.
+    /// Adds tendons, gravity compensation, a fluid and actuators at these controls ([`Actuation`]); their
+    /// stiffness and damping are implicit. Lift and added mass of a fluid are explicit.
     ///
     /// # Panics
     /// Panics if the number of controls differs from the number of actuators.
     #[track_caller]
-    pub(crate) fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
-        self.joints.add_gains(actuation);
+    pub(crate) fn with_actuation(mut self, model: &Model, actuation: &Actuation, controls: &[f64]) -> Self {
+        self.joints.add_gains(model, actuation);
         self.factor.couple(self.joints.couplings());
         self.components.unite(self.joints.couplings().iter().map(|coupling| &coupling.row[..]));
         self.resize_trees();
         let actuation = actuation.clone().without_tendon_friction();
-        self.drive = Some(StepActuation::new(self.memory.force.len(), &actuation, controls));
+        let drive = StepActuation::new(self.memory.force.len(), &actuation, controls);
+        self.drive = Some(drive.with_fluid_counted_apart());
         self
     }
 

@@ -21,6 +21,8 @@ clone_in_place! {
         driven: Vec<f64>,
         mean: Vec<f64>,
         half: Vec<f64>,
+        /// Whether the losses of the scheme contain those of a fluid.
+        is_fluid_counted: bool,
     }
 }
 
@@ -57,7 +59,18 @@ impl StepActuation {
             driven: zeros(),
             mean: zeros(),
             half: zeros(),
+            is_fluid_counted: false,
         }
+    }
+
+    /// With the losses of a fluid among those of the scheme.
+    pub(crate) fn with_fluid_counted_apart(self) -> Self {
+        Self { is_fluid_counted: true, ..self }
+    }
+
+    /// The forces of a fluid at the last evaluation, if there is one.
+    pub(crate) fn last_fluid_forces(&self) -> Option<&[f64]> {
+        self.workspace.last_fluid_forces()
     }
 
     /// Sets the controls for the next steps.
@@ -75,7 +88,17 @@ impl StepActuation {
         let Self { actuation, workspace, controls, torques, .. } = self;
         actuation.actuator_torques(model, workspace, controls, q, v, torques);
         forces.copy_from_slice(torques);
-        actuation.add_passive(workspace, q, v, forces);
+        actuation.add_passive(model, workspace, (q, v), forces);
+    }
+
+    /// Calls `add` with the entries on and below the diagonal of the damping by a fluid at (q, v).
+    pub(crate) fn for_each_damping(
+        &mut self,
+        model: &Model,
+        state: (&[f64], &[f64]),
+        add: impl FnMut(usize, usize, f64),
+    ) {
+        self.actuation.for_each_damping(model, &mut self.workspace, state, add);
     }
 
     /// Stores the actuators' forces of the last evaluation as those of the step.
@@ -119,7 +142,18 @@ pub fn record(
     let StepWorkspace { displacement: way, q: middle, .. } = workspace;
     let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
     let mut stored = 0.0;
-    if let Some(StepActuation { actuation, workspace, controls, torques, driven, mean, half, .. }) = drive {
+    if let Some(StepActuation {
+        actuation,
+        workspace,
+        controls,
+        torques,
+        driven,
+        mean,
+        half,
+        is_fluid_counted,
+        ..
+    }) = drive
+    {
         // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
         for k in 0..way.len() {
             half[k] = 0.5 * way[k];
@@ -132,6 +166,9 @@ pub fn record(
         actuation.add_unstored(workspace, driven);
         work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
         last.damping += actuation.dissipated_over(h, middle, way, mean);
+        if !*is_fluid_counted {
+            last.damping += h * actuation.power_into_fluid(model, workspace, (middle, way), mean);
+        }
         stored = actuation.stored_energy(workspace, to.0);
     }
     losses.add(last);

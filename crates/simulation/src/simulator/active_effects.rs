@@ -20,6 +20,7 @@ pub(super) struct Kinds {
     equalities: bool,
     actuators: bool,
     springs: bool,
+    fluid: bool,
     dissipates: bool,
     /// Whether damping or friction is present.
     losses: bool,
@@ -51,7 +52,8 @@ impl Kinds {
             contacts,
             equalities,
             actuators,
-            springs: actuation.is_some_and(|all| !all.clone().without_actuators().is_empty()),
+            springs: actuation.is_some_and(|all| !all.clone().without_actuators().without_fluid().is_empty()),
+            fluid: actuation.is_some_and(Actuation::has_fluid),
             dissipates,
             losses: has_friction
                 || has_damping(model)
@@ -70,8 +72,10 @@ impl Kinds {
         if let Some((coordinate, rate)) = &self.stiffest {
             causes.push(format!("stiff forces at `{coordinate}` ({rate:.0}/s)"));
         }
-        if self.equalities && (self.actuators || self.springs || self.dissipates && has_damping(model)) {
-            causes.push("equalities beside damping, springs or actuators".into());
+        let has_forces = self.actuators || self.springs || self.fluid;
+        if self.equalities && (has_forces || self.dissipates && has_damping(model)) {
+            let fluid = if self.fluid { ", a fluid" } else { "" };
+            causes.push(format!("equalities beside damping, springs{fluid} or actuators"));
         }
         if causes.is_empty() {
             return (Method::Fixed(Integrator::RungeKutta4), "everything that acts is smooth".into());
@@ -86,7 +90,7 @@ impl Kinds {
         let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
         let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
         let all = [
-            (Effect::Dissipation, self.dissipates && self.losses),
+            (Effect::Dissipation, self.dissipates && self.losses || drives && self.fluid),
             (Effect::Limits, holds_all && self.limits),
             (Effect::EffortLimits, is_limited),
             (Effect::Springs, drives && self.springs),
@@ -107,14 +111,15 @@ impl Kinds {
     /// The same effects without damping and friction.
     #[cfg(feature = "adaptive")]
     pub(super) fn without_dissipation(self) -> Self {
-        Self { dissipates: false, friction: false, ..self }
+        Self { dissipates: false, friction: false, fluid: false, ..self }
     }
 
     /// Lists the effects that adaptive steps do not support.
     #[cfg(feature = "adaptive")]
     pub(super) fn list_left_out_by_adaptive(&self, left_out: &mut Vec<String>) {
         let all = [
-            (self.friction, "damping and dry friction"),
+            (self.friction && !self.fluid, "damping and dry friction"),
+            (self.friction && self.fluid, "damping, dry friction and the fluid"),
             (self.limits, "position limits"),
             (self.contacts, "contacts"),
             (self.equalities, "equalities"),
@@ -137,6 +142,7 @@ impl Kinds {
         let drives = row.is_explicit() && !self.equalities;
         leave(self.actuators && !drives, "actuators");
         leave(self.springs && !drives, "tendons, springs of ball and free joints and compensated weight");
+        leave(self.fluid && !drives, "forces of the fluid");
     }
 }
 
@@ -175,10 +181,19 @@ fn stiffest(model: &Model, actuation: Option<&Actuation>, dissipates: bool, h: f
             }
         }
     }
+    let q = neutral(model);
+    if let Some(fluid) = actuation.and_then(Actuation::fluid).filter(|_| dissipates) {
+        // The linear drag, which acts at rest.
+        let state = (&q[..], &vec![0.0; n][..]);
+        fluid.for_each_damping(model, &mut fluid.workspace(model), state, |row, column, entry| {
+            if row == column {
+                damping[row] += entry;
+            }
+        });
+    }
     if stiffness.iter().chain(&damping).all(|gain| *gain == 0.0) {
         return None;
     }
-    let q = neutral(model);
     let workspace = &mut Workspace::new(model);
     let mut inverse = vec![0.0; n * n];
     inverse_mass_matrix(model, workspace, &q, &mut inverse);

@@ -185,7 +185,7 @@ impl SimulationBuilder<'_> {
                     implicit = implicit.with_constraints(model, constraints);
                 }
                 if let Some(actuation) = actuation {
-                    implicit = implicit.with_actuation(actuation, &at_zero(actuation));
+                    implicit = implicit.with_actuation(model, actuation, &at_zero(actuation));
                 }
                 StepperKind::Implicit(Box::new(implicit))
             }

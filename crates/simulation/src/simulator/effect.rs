@@ -9,7 +9,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Effect {
-    /// Damping and dry friction of joints and tendons.
+    /// Damping and dry friction of joints and tendons, and the forces of the fluid.
     Dissipation,
     /// Position limits of joints and length limits of tendons, as inelastic stops.
     Limits,

@@ -15,6 +15,7 @@ mod contact;
 mod divergence;
 mod equalities;
 mod events;
+mod fluid;
 mod free_body;
 mod gimbal;
 mod height_field;

@@ -219,10 +219,19 @@ impl ImplicitIntegrator {
     /// Adds the change of velocity to v₁ and ½h of it to the displacement, and marks the components with
     /// impacts.
     fn apply_impulses(&mut self, model: &Model, h: f64, v: &[f64]) {
-        let Self { impulses, translations, memory, components, .. } = self;
+        let Self { impulses, translations, factor, memory, components, .. } = self;
         let ImplicitMemory {
-            force: change, stage_v: v1, stage_q: q1, displacement, applied: impulse, ..
+            force: change,
+            stage_v: v1,
+            stage_q: q1,
+            displacement,
+            applied: impulse,
+            fluid: [fluid, product],
+            ..
         } = memory;
+        if factor.multiply_damping(change, product) {
+            fluid.iter_mut().zip(product).for_each(|(fluid, drag)| *fluid -= 0.5 * h * *drag);
+        }
         if !translations.is_empty() {
             translations.add(model, q1, |k| impulse[k]);
         }
@@ -252,11 +261,11 @@ impl ImplicitIntegrator {
     /// Adds the losses of the pass from v to those of the step, component by component.
     fn add_losses_of(&mut self, v: &[f64]) {
         let Self { joints, components, memory, lost, last_of, .. } = self;
-        let ImplicitMemory { displacement, stage_v: v1, .. } = memory;
+        let ImplicitMemory { displacement, stage_v: v1, fluid: [fluid, _], .. } = memory;
         // ∫Dv·v dt is the impulse D∫v dt times the mean velocity, which is the energy that the change of
-        // momentum takes.
+        // momentum takes. A fluid's impulse is that of the scheme.
         for k in (0..v.len()).filter(|k| components.moves(*k)) {
-            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
+            let damping = (joints.damping[k] * displacement[k] - fluid[k]) * 0.5 * (v[k] + v1[k]);
             lost[components.leader(components.tree_of(k))].damping += damping;
         }
         for (last, lost) in last_of.iter_mut().zip(&*lost) {

@@ -79,7 +79,9 @@ clone_in_place! {
         driven_damping: Vec<f64>,
         /// The stiffness and damping of servos and tendons over several coordinates.
         couplings: Vec<Coupling>,
-        /// Whether some damping is negative.
+        /// Whether a fluid resists each coordinate.
+        is_in_fluid: Vec<bool>,
+        /// Whether some damping is negative, or wind drives the robot.
         pub(super) adds_energy: bool,
         /// The damping and friction with dissipation switched on.
         all_damping: Vec<f64>,
@@ -104,6 +106,7 @@ impl Joints {
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
             couplings: Vec::new(),
+            is_in_fluid: vec![false; nv],
             adds_energy: false,
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
@@ -183,8 +186,13 @@ impl Joints {
         }
     }
 
-    /// Adds the stiffness and damping of servos and tendons, and the tendons' dry friction.
-    pub(super) fn add_gains(&mut self, actuation: &Actuation) {
+    /// Adds the stiffness and damping of servos and tendons, and the tendons' dry friction. Marks the
+    /// coordinates that a fluid resists.
+    pub(super) fn add_gains(&mut self, model: &Model, actuation: &Actuation) {
+        if let Some(fluid) = actuation.fluid() {
+            self.is_in_fluid = fluid.moving_coordinates(model);
+            self.adds_energy |= fluid.has_wind();
+        }
         self.tendons.iter().for_each(|&(row, friction)| self.all_friction[row] = friction);
         actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping, &mut self.couplings);
     }
@@ -216,6 +224,7 @@ impl Joints {
             || self.derivatives(k) != (0.0, 0.0)
             || self.couplings.iter().any(is_coupled)
             || self.is_bounded[k]
+            || self.is_in_fluid[k]
     }
 
     /// Selects whether damping and friction act.

@@ -36,7 +36,7 @@ impl ImplicitIntegrator {
         Ok(())
     }
 
-    /// Writes the middle qₘ = q ⊕ ½hv to `memory.stage_q`, and factors M̂ there.
+    /// Writes the middle qₘ = q ⊕ ½hv to `memory.stage_q`, and factors M̂ there, with the damping by a fluid.
     fn factor_at_middle(
         &mut self,
         model: &Model,
@@ -44,10 +44,16 @@ impl ImplicitIntegrator {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), IntegratorError> {
-        let Self { joints, factor, memory, .. } = self;
+        let Self { joints, factor, drive, memory, .. } = self;
         let ImplicitMemory { displacement, stage_q: middle, .. } = memory;
         displacement.iter_mut().zip(v).for_each(|(way, v)| *way = 0.5 * h * v);
         integrate(model, q, displacement, middle);
+        if let Some(drive) = drive.as_mut().filter(|drive| drive.actuation().has_fluid()) {
+            factor.clear_damping();
+            drive.for_each_damping(model, (middle, v), |row, column, entry| {
+                factor.add_damping(row, column, entry);
+            });
+        }
         factor.factor(model, workspace, middle, joints, GAMMA * h)
     }
 
@@ -79,11 +85,14 @@ impl ImplicitIntegrator {
             driven,
             carried,
             applied,
+            fluid: [fluid, product],
             ..
         } = memory;
         let (nv, g) = (v.len(), GAMMA * h);
         applied.fill(0.0);
-        let mut forces = MiddleForces { model, joints, middle, tau, carried, drive, bias, driven, applied };
+        fluid.fill(0.0);
+        let mut forces =
+            MiddleForces { model, joints, middle, tau, carried, drive, bias, driven, applied, fluid };
         // M̂ k₁ᵥ = τ − Cv − g − Dv + (½ − γ)hKv; k₁Θ = v + γh k₁ᵥ.
         a1.fill(0.0);
         forces.add(workspace, v, a1);
@@ -112,6 +121,13 @@ impl ImplicitIntegrator {
             q2[k] += g * a2[k];
             displacement[k] = 0.5 * h * (3.0 * q1[k] + q2[k]);
             stage_v[k] = v[k] + 0.5 * h * (3.0 * a1[k] + a2[k]);
+            a1[k] += a2[k];
+        }
+        // Both stages together give M (v₁ − v₀) = ½h (F₁ + F₂ − γhD(k₁ + k₂)).
+        if factor.multiply_damping(a1, product) {
+            for k in 0..nv {
+                fluid[k] = 0.5 * h * (fluid[k] - g * product[k]);
+            }
         }
     }
 }
@@ -130,18 +146,23 @@ struct MiddleForces<'a> {
     driven: &'a mut [f64],
     /// The sum of the forces of all calls without C v, gravity and damping.
     applied: &'a mut [f64],
+    /// The sum of the forces of a fluid of all calls.
+    fluid: &'a mut [f64],
 }
 
 impl MiddleForces<'_> {
     /// Adds τ − Cv − g − Dv to `sum`, where τ includes actuation and the constraint forces of the last step.
     fn add(&mut self, workspace: &mut Workspace, v: &[f64], sum: &mut [f64]) {
-        let Self { model, joints, middle, tau, carried, drive, bias, driven, applied } = self;
+        let Self { model, joints, middle, tau, carried, drive, bias, driven, applied, fluid } = self;
         // The recursion gives a component of several bodies the same bits as in a model of its own; machine
         // code for one model would not.
         bias_by_recursion(model, workspace, middle, v, bias);
         match drive {
             Some(drive) => drive.forces(model, middle, v, driven),
             None => driven.fill(0.0),
+        }
+        if let Some(forces) = drive.as_ref().and_then(StepActuation::last_fluid_forces) {
+            fluid.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
         }
         for k in 0..v.len() {
             let own = tau[k] + driven[k] + carried[k];

@@ -40,6 +40,8 @@ clone_in_place! {
         begins: Option<Vec<usize>>,
         packed: Vec<f64>,
         entries: Vec<f64>,
+        /// The damping matrix of a fluid, packed; empty without a fluid.
+        fluid: Vec<f64>,
         /// Whether M is regular in some pose.
         is_regular: bool,
         /// The tree of each coordinate, and the armature of each tree in the last factor, relative to M's
@@ -60,7 +62,8 @@ impl StiffFactor {
         let (mass, is_regular) = (vec![0.0; size], is_regular_somewhere(model));
         let trees = sparse::trees(paths.dof_parent()).0;
         let armature = vec![0.0; n];
-        Self { paths, is_coupled: false, mass, begins, packed, entries, is_regular, trees, armature }
+        let fluid = Vec::new();
+        Self { paths, is_coupled: false, mass, begins, packed, entries, fluid, is_regular, trees, armature }
     }
 
     /// Extends the sparsity for these couplings: an ancestor of one of their coordinates counts as an
@@ -76,6 +79,26 @@ impl StiffFactor {
         for entries in [&mut self.packed, &mut self.entries] {
             entries.resize(self.paths.size(), 0.0);
         }
+    }
+
+    /// Sets the damping matrix of a fluid to 0.
+    pub(super) fn clear_damping(&mut self) {
+        self.fluid.clear();
+        self.fluid.resize(self.paths.size(), 0.0);
+    }
+
+    /// Adds an entry on or below the diagonal to the damping matrix of a fluid.
+    pub(super) fn add_damping(&mut self, row: usize, column: usize, entry: f64) {
+        *self.paths.entry_of(row, column, &mut self.fluid) += entry;
+    }
+
+    /// `product` = D x with the damping matrix of a fluid; `false` without a fluid.
+    pub(super) fn multiply_damping(&self, x: &[f64], product: &mut [f64]) -> bool {
+        let has_fluid = !self.fluid.is_empty();
+        if has_fluid {
+            self.paths.multiply(&self.fluid, x, product);
+        }
+        has_fluid
     }
 
     /// Evaluates M at q and factors M̂ with g = γh.
@@ -128,7 +151,8 @@ impl StiffFactor {
 
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), IntegratorError> {
         self.entries.copy_from_slice(&self.packed);
-        stiffen_entries(&self.paths, joints, (g, &self.trees, &self.armature), &mut self.entries);
+        let Self { paths, entries, fluid, trees, armature, .. } = self;
+        stiffen_entries(paths, joints, fluid, (g, trees, armature), entries);
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
         sparse::check_pivots(pivots)
@@ -154,7 +178,7 @@ impl StiffFactor {
     /// Writes the packed M̂ to `matrix`.
     pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut Vec<f64>) {
         matrix.clone_from(&self.packed);
-        stiffen_entries(&self.paths, joints, (g, &self.trees, &self.armature), matrix);
+        stiffen_entries(&self.paths, joints, &self.fluid, (g, &self.trees, &self.armature), matrix);
     }
 
     /// The sparsity of the entries.
@@ -168,10 +192,12 @@ impl StiffFactor {
     }
 }
 
-/// M + gD + g²K for a packed M, with the armature of each tree relative to its diagonal.
+/// M + gD + g²K for a packed M, with the armature of each tree relative to its diagonal. D includes the
+/// damping matrix of a fluid, unless that is empty.
 fn stiffen_entries(
     paths: &Paths,
     joints: &Joints,
+    fluid: &[f64],
     (g, trees, armature): (f64, &[usize], &[f64]),
     entries: &mut [f64],
 ) {
@@ -183,6 +209,7 @@ fn stiffen_entries(
     for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
         *paths.entry_of(row, column, entries) += entry;
     }
+    entries.iter_mut().zip(fluid).for_each(|(entry, damping)| *entry += g * damping);
 }
 
 /// The start of each row of M's upper triangle without structural zeros, and the end of the last row.

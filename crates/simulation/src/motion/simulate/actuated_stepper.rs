@@ -158,7 +158,7 @@ impl Stepper for ActuatedStepper {
             add_scaled(mean_torques, weight, force);
             self.actuation.add_unstored(memory, force);
             input += weight * force.iter().zip(v).map(|(tau, v)| tau * v).sum::<f64>();
-            lost += weight * self.actuation.dissipated_power(q, v);
+            lost += weight * self.actuation.dissipated_power(model, memory, q, v);
             if forces.dissipation {
                 dissipation(model, v, force);
                 lost += weight * force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();

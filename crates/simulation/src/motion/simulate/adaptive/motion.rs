@@ -86,11 +86,12 @@ impl HeldActuation {
         self.actuate(model, (t, q, v));
         let Self { actuation, memory, force, torques, .. } = self;
         force.copy_from_slice(torques);
-        actuation.add_passive(memory, q, v, force);
+        actuation.add_passive(model, memory, (q, v), force);
         tau.iter_mut().zip(&*force).for_each(|(tau, force)| *tau += force);
         force.copy_from_slice(torques);
         actuation.add_unstored(memory, force);
-        (force.iter().zip(v).map(|(force, v)| force * v).sum(), actuation.dissipated_power(q, v))
+        let lost = actuation.dissipated_power(model, memory, q, v);
+        (force.iter().zip(v).map(|(force, v)| force * v).sum(), lost)
     }
 
     /// Evaluates the actuators' forces at t.
