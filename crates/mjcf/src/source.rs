@@ -60,7 +60,7 @@ impl Source {
                 let advice = match found {
                     "robot" => "this is URDF; read it with `urdf::load`",
                     "mujocoinclude" => "another file includes this one; load that file",
-                    "sdf" | "world" | "model" => "SDF files are not read; export URDF or MJCF",
+                    "sdf" => "this is SDF; read it with `urdf::load`",
                     _ => "an MJCF file has one <mujoco> element",
                 };
                 return Err(MjcfError::NotMjcf { line, found: excerpt(found), advice });

@@ -99,9 +99,9 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
 /// Reads and compiles a robot file, with the base fixed to the world. Suspicious values are taken as written
 /// and reported.
 ///
-/// URDF opens no other file. A scene opens the files of its robots and meshes. MJCF opens included and
-/// attached files, and the mesh files from which the inertia of a body comes. These files may be anywhere
-/// on the disk, unless the options confine them to the folder of the robot's file
+/// URDF opens no other file. SDF opens the models that it includes. A scene opens the files of its robots and
+/// meshes. MJCF opens included and attached files, and the mesh files from which the inertia of a body comes.
+/// These files may be anywhere on the disk, unless the options confine them to the folder of the robot's file
 /// ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and opened for contact by
 /// [`Robot::simulation`]. An SRDF file is read only if the options name it ([`LoadOptions::with_srdf`]).
 ///
@@ -256,7 +256,10 @@ pub fn load_description_from_files(
             let source = Source::Memory { files, path: path.to_owned() };
             scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
         }
-        Some(Ok(text)) if !is_mjcf(&text) => robot_dynamics_urdf::parse(&text, options)?.into(),
+        Some(Ok(text)) if !is_mjcf(&text) => {
+            let content = |path: &Path| files.get(path).map(<[u8]>::to_vec);
+            robot_dynamics_urdf::parse_with_files(&text, path, &content, options)?.into()
+        }
         // The MJCF reader reports files that are missing or not text.
         _ => robot_dynamics_mjcf::load_from_files(files, path, options)?.into(),
     };

@@ -176,6 +176,9 @@ pub enum UrdfError {
     )]
     MimicCycle { line: usize, joints: Vec<String> },
 
+    /// An error in an included file.
+    #[error("{file}{source}")]
+    InFile { file: String, source: Box<UrdfError> },
     /// A warning in a strict reading.
     #[error("line {line}: {place}: {message} (a warning, which a strict reading refuses)")]
     Strict { line: usize, place: String, message: String },
@@ -190,7 +193,8 @@ impl UrdfError {
             | Self::UnknownEncoding { .. }
             | Self::OtherFormat { .. }
             | Self::TooLarge { .. }
-            | Self::Empty => None,
+            | Self::Empty
+            | Self::InFile { .. } => None,
             Self::BadXml { line, .. }
             | Self::DocumentType { line }
             | Self::TooDeep { line, .. }
@@ -228,6 +232,7 @@ impl UrdfError {
     /// The element of the error, as in `joint "elbow"/limit`; `None` for errors of the whole file.
     pub fn place(&self) -> Option<String> {
         match self {
+            Self::InFile { file, source } => source.place().map(|place| format!("{file}{place}")),
             Self::MissingAttribute { place, .. }
             | Self::UnknownName { place, .. }
             | Self::BadSemantics { place, .. }

@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
         if has("joint_properties") && !has("dynamics") { "joint_properties" } else { "dynamics" }
     }
 
-    fn warn_if_negative(&mut self, element: &Element<'a>, name: &str, value: f64, effect: &str) {
+    pub(crate) fn warn_if_negative(&mut self, element: &Element<'a>, name: &str, value: f64, effect: &str) {
         if value < 0.0 {
             self.warn(
                 element,

@@ -1,10 +1,11 @@
-//! Reads and writes URDF robot files.
+//! Reads and writes URDF robot files, and reads SDF models and SRDF files.
 //!
 //! [`load`] and [`parse`] turn the text of a URDF file into a
 //! [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line, everything
 //! that was read, defaulted and ignored. A file without a meaning in the equations of motion is refused with
 //! a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a warning in
-//! the report ([`Severity`]). Mesh files are not opened. [`write()`] writes a robot as URDF.
+//! the report ([`Severity`]). Mesh files are not opened. [`write()`] writes a robot as URDF. [`load`] and
+//! [`parse`] also read the model of an SDF file. [`add_srdf`] adds an SRDF file to a robot.
 //!
 //! ```
 //! let robot = robot_dynamics_urdf::parse(
@@ -35,6 +36,7 @@
 // Entry points and errors.
 mod error;
 mod load;
+mod robot;
 
 // XML elements, and the report of everything that is not read.
 mod attribute;
@@ -68,8 +70,12 @@ mod writer;
 // SRDF: groups, poses, and pairs of links without collisions.
 mod srdf;
 
+// SDF models.
+mod sdf;
+
 pub use error::{LoadError, UrdfError};
-pub use load::{Robot, load, parse, parse_as};
+pub use load::{load, parse, parse_as, parse_with_files};
+pub use robot::Robot;
 pub use robot_dynamics_description::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT, Srdf};
 pub use srdf::{add_srdf, disabled_collisions, load_disabled_collisions};

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use robot_dynamics_description::plausibility::WrittenAngles;
-use robot_dynamics_description::{Base, Disposition, LinkDescription, LoadReport, RobotDescription};
+use robot_dynamics_description::{Base, Disposition, LinkDescription, RobotDescription};
 use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
 
 use crate::drake::is_drake;
 use crate::element::Element;
 use crate::reader::Reader;
+use crate::robot::Robot;
+use crate::sdf::{FilesInMemory, read_sdf};
 use crate::shapes::Appearance;
 use crate::tree::{SourceLines, Tree};
 use crate::unread_parts::UnknownPart;
@@ -19,18 +20,6 @@ use crate::{LoadError, LoadOptions, UrdfError, mass_check, mesh_file, mimic_lead
 
 /// The deepest nesting of elements. A URDF file has five levels: `robot/link/visual/geometry/mesh`.
 const DEPTH_LIMIT: usize = 200;
-
-/// A robot and the report of how it was read.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Robot {
-    /// Links and joints, as written in the file.
-    pub description: RobotDescription,
-    /// Everything that was read, defaulted, suspicious or ignored.
-    pub report: LoadReport,
-    /// The angles of all frames as written, before conversion to rotations.
-    pub angles: Vec<WrittenAngles>,
-}
 
 /// Reads a URDF file. Mesh files are located, and not opened.
 ///
@@ -65,7 +54,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, Load
 /// # Errors
 /// As [`load`].
 pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
-    read_text(text, options.clone(), Some(path.as_ref()))
+    read_text(text, options.clone(), Some(path.as_ref()), None)
 }
 
 /// Reads the text of a URDF file. Meshes of packages are located if the options have a package path.
@@ -87,18 +76,55 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Re
 /// # Errors
 /// [`LoadError`] lists all errors, each with its line and advice.
 pub fn parse(text: &str, options: &LoadOptions) -> Result<Robot, LoadError> {
-    read_text(text, options.clone(), None)
+    read_text(text, options.clone(), None, None)
 }
 
-fn read_text(text: &str, options: LoadOptions, path: Option<&Path>) -> Result<Robot, LoadError> {
+/// Reads a text as the content of the file at `path`, with files in memory, which SDF may include. `files`
+/// gives the content of a file at a path.
+///
+/// ```
+/// use robot_dynamics_urdf::{LoadOptions, parse_with_files};
+/// let text = "<sdf version='1.9'><model name='cart'><include><uri>wheel.sdf</uri></include></model></sdf>";
+/// let wheel = "<sdf version='1.9'><model name='wheel'><link name='rim'/></model></sdf>";
+/// let files = |path: &std::path::Path| path.ends_with("wheel.sdf").then(|| wheel.as_bytes().to_vec());
+/// let robot = parse_with_files(text, "cart.sdf", &files, &LoadOptions::default())?;
+/// assert_eq!(robot.description.links[1].name, "wheel::rim");
+/// # Ok::<(), robot_dynamics_urdf::LoadError>(())
+/// ```
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_with_files(
+    text: &str,
+    path: impl AsRef<Path>,
+    files: &dyn Fn(&Path) -> Option<Vec<u8>>,
+    options: &LoadOptions,
+) -> Result<Robot, LoadError> {
+    read_text(text, options.clone(), Some(path.as_ref()), Some(files))
+}
+
+fn read_text(
+    text: &str,
+    options: LoadOptions,
+    path: Option<&Path>,
+    files: Option<&FilesInMemory<'_>>,
+) -> Result<Robot, LoadError> {
     robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, faults| {
         let root = document.root_element();
         let mut reader = Reader::new(document.input_text(), root, options);
         let line = reader.line(root);
         let found = root.tag_name().name();
+        if found == "sdf" {
+            for (line, message) in faults {
+                reader.push(*line, "sdf".into(), Disposition::AsWritten, message.clone());
+            }
+            return read_sdf(reader, &Element { node: root, line, place: "sdf".to_owned() }, path, files);
+        }
+        // URDF names no file that is opened.
+        let path = path.filter(|_| files.is_none());
         if found != "robot" {
             let advice = match found {
-                "sdf" | "world" | "model" => "SDF files are not read; export URDF",
+                "world" | "model" => "an SDF file has it inside <sdf version=\"1.9\">",
                 "mujoco" => "this is MJCF; read it with `mjcf::load`",
                 _ => "a URDF file has one <robot name=\"…\"> element",
             };

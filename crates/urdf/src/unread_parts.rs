@@ -73,26 +73,7 @@ impl<'a> Reader<'a> {
         children: &[&str],
         unknown: UnknownPart,
     ) {
-        for attribute in element.node.attributes() {
-            let name = attribute.name();
-            if attribute.namespace().is_some() {
-                self.report_ignored(
-                    element.line,
-                    element.place.clone(),
-                    format!("foreign attribute `{name}`"),
-                );
-            } else if name == "dont_collapse" {
-                // A setting of converters: do not merge this link into its parent.
-                self.report_ignored(element.line, element.place.clone(), format!("setting `{name}`"));
-            } else if !attributes.contains(&name) {
-                let message = format!("unknown attribute {}={:?}", excerpt(name), excerpt(attribute.value()));
-                if unknown == UnknownPart::Physics || carries_physics(name, attribute.value()) {
-                    self.report_ignored_physics(element.line, element.place.clone(), message);
-                } else {
-                    self.report_ignored(element.line, element.place.clone(), message);
-                }
-            }
-        }
+        self.list_unread_attributes(element, attributes, unknown);
         for node in element.node.children() {
             let name = node.tag_name().name();
             let text = node.text().filter(|_| node.is_text()).unwrap_or_default();
@@ -113,6 +94,35 @@ impl<'a> Reader<'a> {
                 self.report.counts.not_dynamics += 1;
             } else {
                 self.list_subtree(element, node, unknown);
+            }
+        }
+    }
+
+    /// Reports all attributes of `element` except the given ones.
+    pub(crate) fn list_unread_attributes(
+        &mut self,
+        element: &Element<'a>,
+        attributes: &[&str],
+        unknown: UnknownPart,
+    ) {
+        for attribute in element.node.attributes() {
+            let name = attribute.name();
+            if attribute.namespace().is_some() {
+                self.report_ignored(
+                    element.line,
+                    element.place.clone(),
+                    format!("foreign attribute `{name}`"),
+                );
+            } else if name == "dont_collapse" {
+                // A setting of converters: do not merge this link into its parent.
+                self.report_ignored(element.line, element.place.clone(), format!("setting `{name}`"));
+            } else if !attributes.contains(&name) {
+                let message = format!("unknown attribute {}={:?}", excerpt(name), excerpt(attribute.value()));
+                if unknown == UnknownPart::Physics || carries_physics(name, attribute.value()) {
+                    self.report_ignored_physics(element.line, element.place.clone(), message);
+                } else {
+                    self.report_ignored(element.line, element.place.clone(), message);
+                }
             }
         }
     }

@@ -60,7 +60,7 @@ pub(crate) const CASES: &[(Frame, &str, &[(Option<usize>, &str)])] = &[
 <!DOCTYPE robot [<!ENTITY a "aaaa">]>
 <robot name="&a;"/>"#, &[(Some(2), "DocumentType")]),
     // sdf file
-    (whole, r#"<sdf version="1.9"/>"#, &[(Some(1), "NotARobot")]),
+    (whole, r#"<sdf version="1.9"/>"#, &[(Some(1), "BadSemantics")]),
     // other xml
     (whole, "<html/>", &[(Some(1), "NotARobot")]),
     // xacro that is not expanded
