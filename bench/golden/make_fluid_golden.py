@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes testdata/mjcf/fluid/golden.json: MuJoCo's forces of a fluid at random states, their derivatives by
-velocity, and motions by its RK4.
+"""Writes testdata/mjcf/fluid/golden.json: MuJoCo's forces of a fluid at random states, the added masses of
+ellipsoids, and motions by its RK4 and by its Euler steps.
 
     python3 bench/golden/make_fluid_golden.py
 
@@ -23,7 +23,7 @@ import golden_file  # noqa: E402
 
 FILES = [f"testdata/mjcf/fluid/{name}.xml" for name in ("drone", "swimmer", "shapes", "insect")]
 STATES = 8
-DURATION, STEP = 1.0, 0.001
+STEP = 0.001
 HINGE, SLIDE, BALL, FREE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("HINGE", "SLIDE", "BALL", "FREE"))
 
 
@@ -48,17 +48,17 @@ def state(model, random):
     return {"qpos": data.qpos.copy(), "qvel": data.qvel.copy(), "qfrc_fluid": data.qfrc_fluid.copy()}
 
 
-def motion(model, random):
+def motion(model, random, integrator, duration):
     """The end of a motion without contact."""
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.integrator = integrator
     model.opt.timestep = STEP
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     data = mujoco.MjData(model)
     place(model, data, random, 0.1)
     start = {"qpos": data.qpos.copy(), "qvel": data.qvel.copy()}
-    for _ in range(round(DURATION / STEP)):
+    for _ in range(round(duration / STEP)):
         mujoco.mj_step(model, data)
-    return {"step": STEP, "duration": DURATION, **start, "end_qpos": data.qpos.copy(), "end_qvel": data.qvel.copy()}
+    return {"step": STEP, "duration": duration, **start, "end_qpos": data.qpos.copy(), "end_qvel": data.qvel.copy()}
 
 
 def record(path):
@@ -71,7 +71,15 @@ def record(path):
         for geom in range(model.ngeom)
         if model.geom_fluid[geom, 0] > 0 and model.body_geomnum[model.geom_bodyid[geom]] == 1
     }
-    return {"states": states, "added": added, **({} if path.stem == "insect" else {"motion": motion(model, random)})}
+    if path.stem == "insect":
+        return {"states": states, "added": added}
+    integrators = mujoco.mjtIntegrator
+    return {
+        "states": states,
+        "added": added,
+        "motion": motion(model, random, integrators.mjINT_RK4, 1.0),
+        "euler": motion(model, random, integrators.mjINT_EULER, 0.2),
+    }
 
 
 def main():

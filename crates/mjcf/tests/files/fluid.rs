@@ -1,8 +1,8 @@
 //! Compares the forces of a fluid, and motions with them, with MuJoCo (`testdata/mjcf/fluid/golden.json`).
 //!
 //! Tolerance of forces: 1e-10 of the largest one, because MuJoCo's principal axes have an error of 1e-12 of
-//! its inertias, and sums have another order. Motions over 1 s by the same stages of RK4: 1e-8, because of
-//! the tumbling free bodies, whose coordinates differ (see `motion.rs`).
+//! its inertias, and sums have another order. Motions by the same stages of RK4, or by MuJoCo's Euler steps:
+//! 1e-8, because of the tumbling free bodies, whose coordinates differ (see `motion.rs`).
 
 use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
@@ -79,15 +79,18 @@ fn added_masses_are_mujocos() {
 #[test]
 fn motions_end_where_mujocos_do() {
     let mut compared = 0;
-    for (file, record) in golden()["files"].as_object().expect("files") {
-        let Some(motion) = record.get("motion") else { continue };
+    let golden = golden();
+    let files = golden["files"].as_object().expect("files").iter();
+    let methods = [("motion", Method::Fixed(Integrator::RungeKutta4)), ("euler", Method::Mujoco)];
+    for ((file, record), (name, method)) in files.flat_map(|file| methods.map(|method| (file, method))) {
+        let Some(motion) = record.get(name) else { continue };
         let model = Model::new(robot(file)).expect("a robot");
         let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
         configuration_from_mujoco(&model, &numbers(&motion["qpos"]), &mut q);
         velocity_from_mujoco(&model, &q, &numbers(&motion["qvel"]), &mut v);
         let mut simulation = SimulationBuilder::new(&model)
             .dt(numbers(&motion["step"])[0])
-            .method(Method::Fixed(Integrator::RungeKutta4))
+            .method(method)
             .without(Effect::Contacts)
             .build()
             .expect("a simulation");
@@ -100,11 +103,11 @@ fn motions_end_where_mujocos_do() {
             let expected = numbers(&motion[end]);
             let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
             let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
-            assert!(off <= MOTIONS, "{file}: {what}: {off:e}\n{found:?}\n{expected:?}");
+            assert!(off <= MOTIONS, "{file}: {name}: {what}: {off:e}\n{found:?}\n{expected:?}");
         }
         compared += 1;
     }
-    assert!(compared >= 3, "{compared}");
+    assert!(compared >= 6, "{compared}");
 }
 
 /// A conservative simulation has no fluid.
