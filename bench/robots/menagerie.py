@@ -15,7 +15,7 @@ MuJoCo's free joints have their linear velocity in world axes. With the blocks G
 So M = Gᵀ M_mujoco G and bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), with Ġ v = (R (ω × u), 0).
 
 The library's passive forces, from `bench/src/bin/mujoco_peer.rs`, are compared with `qfrc_passive` and
-`qfrc_gravcomp` of MuJoCo without fluids at the same states. A motion of 1 s by RK4 starts near the file's own
+`qfrc_gravcomp` of MuJoCo at the same states. A motion of 1 s by RK4 starts near the file's own
 pose, with constant controls in their ranges. It has no constraints (contacts, limits, equalities, friction)
 and no armature of tendons; MuJoCo's uses this program's inertias. The step is 1 ms, 0.2 ms with a free body,
 or as small as explicit steps need with the file's servos. The motion is not compared if an actuator is not
@@ -231,7 +231,6 @@ def longest_step(model, data):
 def beside(peer, path, model, actuators, states, random):
     """The errors of passive forces, and of a motion with them."""
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-    model.opt.density, model.opt.viscosity, model.opt.wind[:] = 0, 0, 0
     model.tendon_armature[:] = 0
     model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
     exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
@@ -407,7 +406,7 @@ diagonal is below 1e-12 kg·m² or a rotation below 1.4e-6 rad, and drops the re
 from small meshes or full matrices. For the columns *same inertias* this program's inertias were written into
 MuJoCo's model, so they show the error of this program alone.
 
-The columns *passive* and *gravcomp* are `qfrc_passive` and `qfrc_gravcomp`, without fluids. *motion* is the
+The columns *passive* and *gravcomp* are `qfrc_passive` and `qfrc_gravcomp`. *motion* is the
 state after 1 s by RK4 with the actuators at constant controls. Contacts, limits, equalities, friction and the
 armature of tendons are left out, and both sides use this program's inertias. It is the largest difference in
 q and v relative to the largest entry, or to 1. The step is 1 ms, 0.2 ms if a body is free, or shorter if the

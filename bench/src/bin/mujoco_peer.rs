@@ -1,7 +1,7 @@
 //! The library's passive forces and motions in MuJoCo's coordinates, for `bench/robots/menagerie.py`.
 //!
 //! Reads one JSON object per line: the `file`, a state `qpos`, `qvel`, and for a motion `ctrl`, `step` \[s\]
-//! and `steps`. Prints one object. The forces `passive` have springs, damping, tendons, and gravity
+//! and `steps`. Prints one object. The forces `passive` have springs, damping, tendons, a fluid, and gravity
 //! compensation that no actuator provides; `gravcomp` has all gravity compensation. `qpos` and `qvel` are the
 //! motion's end by RK4. Friction, equalities and the armature of tendons are left out, as they are part of
 //! neither.
@@ -15,7 +15,7 @@ use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
     velocity_to_mujoco,
 };
-use robot_dynamics::description::RobotDescription;
+use robot_dynamics::description::{Medium, RobotDescription};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Actuation, Effect, Integrator, Method, SimulationBuilder};
 use serde_json::{Value, json};
@@ -96,6 +96,7 @@ fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
     let mut carried = robot.clone();
     carried.tendons.clear();
     carried.actuators.clear();
+    carried.medium = Medium::default();
     for joint in &mut carried.joints {
         joint.actuator_compensates_gravity = false;
     }
