@@ -380,3 +380,23 @@ def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> 
     sim.restore(kept)
     sim.step()
     assert np.array_equal(sim.q, once)
+
+
+def test_a_fluid_is_part_of_a_simulation() -> None:
+    """A ball in a viscous fluid slows down by the drag of the inertia box: v = v₀ e^(−3πβd t/m)."""
+    text = """<mujoco><option gravity="0 0 0" viscosity="0.3"/><worldbody><body name="ball"><freejoint/>
+      <geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>"""
+    robot = rd.loads(text)
+    edge = np.sqrt(6 * 0.4 * 0.1**2)
+    v = np.array([1.0, 0, 0, 0, 0, 0])
+    assert_allclose(robot.fluid_forces(robot.neutral(), v)[0], -3 * np.pi * 0.3 * edge, rtol=1e-14)
+    by_q, by_v = robot.fluid_force_derivatives(robot.neutral(), v)
+    assert_allclose(by_v @ v, robot.fluid_forces(robot.neutral(), v), atol=1e-15)
+    assert not by_q.any()
+    expected = np.exp(-3 * np.pi * 0.3 * edge / 2 * 0.5)
+    for integrator in ("rk4", "implicit"):
+        motion = robot.simulate(robot.neutral(), v=v, duration=0.5, dt=1e-3, integrator=integrator)
+        assert_allclose(motion.v[-1][0], expected, rtol=1e-6)
+    free = robot.simulate(robot.neutral(), v=v, duration=0.5, dt=1e-3, without=["dissipation"])
+    assert_allclose(free.v[-1][0], 1.0, rtol=1e-14)
+    assert_allclose(robot.with_fluid(0.0, 0.0).fluid_forces(robot.neutral(), v), 0.0)
