@@ -32,7 +32,7 @@ export async function droppedFiles(transfer: DataTransfer): Promise<Map<string, 
 export function fileInput(label: string, folder: boolean, open: (files: Map<string, Blob>) => Promise<void>): HTMLInputElement {
   const input = html('input', {
     type: 'file', class: 'visually-hidden', tabindex: -1, 'aria-label': label, webkitdirectory: folder || undefined,
-    accept: folder ? undefined : '.urdf,.xml,.mjcf,.sdf,.zip', multiple: !folder || undefined,
+    accept: folder ? undefined : '.urdf,.xml,.mjcf,.sdf,.scene,.zip', multiple: !folder || undefined,
     change: () => {
       void open(new Map(Array.from(input.files ?? [], (file) => [file.webkitRelativePath || file.name, file])));
       input.value = '';

@@ -24,11 +24,13 @@ export async function sorted(files: ReadonlyMap<string, Blob>): Promise<Given> {
   }
   const robots = new Map<string, string>();
   for (const [path, file] of all) {
-    if (!/\.(urdf|xml|mjcf)$/i.test(path) || file.size > LARGEST) continue;
+    if (!/\.(urdf|xml|mjcf|sdf|scene)$/i.test(path) || file.size > LARGEST) continue;
     const text = await file.text();
-    if (/<(robot|mujoco)[\s>]/.test(text) || all.size === 1) robots.set(path, text);
+    if (/<(robot|mujoco|sdf|scene)[\s>]/.test(text) || all.size === 1) robots.set(path, text);
   }
   const depth = (path: string): number => path.split('/').length;
-  const order = [...robots].sort(([a], [b]) => depth(a) - depth(b) || a.localeCompare(b));
+  // A scene names the other robots.
+  const isScene = (path: string): number => Number(/<scene[\s>]/.test(robots.get(path) ?? ''));
+  const order = [...robots].sort(([a], [b]) => isScene(b) - isScene(a) || depth(a) - depth(b) || a.localeCompare(b));
   return { robots: new Map(order), meshes: new MeshFiles(all) };
 }

@@ -25,7 +25,7 @@ async function readAmong(robots: Robots, files: ReadonlyMap<string, Blob>, path:
     return some.length;
   };
   try {
-    await add(/\.(xml|mjcf|urdf)$/i);
+    await add(/\.(xml|mjcf|urdf|sdf|scene)$/i);
     try {
       return robots.Robot.loadAmong(given, path, floating, true);
     } catch (error) {
@@ -38,4 +38,4 @@ async function readAmong(robots: Robots, files: ReadonlyMap<string, Blob>, path:
 }
 
 /** Whether a file depends on other files. */
-export const includes = (text: string): boolean => /<include\s/.test(text);
+export const includes = (text: string): boolean => /<(include\s|scene[\s>])/.test(text);
