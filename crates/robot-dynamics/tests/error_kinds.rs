@@ -66,6 +66,10 @@ fn errors_of_files_and_descriptions() {
     check(ModelError::from(bad_name()), UnknownName);
     check(ModelError::from(bad_input()), InvalidInput);
     check(ModelError::Follows { joint: name(), leader: name() }, Unsupported);
+    check(ModelError::Irreversible { joint: name(), reason: "it has a spring" }, Unsupported);
+    check(ModelError::Mesh { file: name(), reason: "it is open".to_owned() }, Description);
+    let refused = load_description_from_text("<scene><cone/></scene>", &LoadOptions::default());
+    check(refused.expect_err("an unknown part"), File);
     check(ModelError::MomentWithoutMass { link: name() }, Description);
     check(ModelError::Unwritable(vec![name()]), Unsupported);
     check(InertiaError::TriangleInequality { moments: [1.0, 1.0, 3.0] }, Description);
@@ -160,7 +164,7 @@ fn every_public_error_type_has_a_kind() {
     });
     // `Error` converts from every `Classified`, so it cannot be one. `LabError` is a message for a page. The
     // errors of a file's lines are parts of a `RefusedFile`, which has a kind.
-    let parts = ["Error", "LabError", "MjcfError", "UrdfError", "XmlError"];
+    let parts = ["Error", "LabError", "MjcfError", "SceneFault", "UrdfError", "XmlError"];
     let without: Vec<&str> = declared
         .filter(|name| !parts.contains(name) && !all.contains(&format!("Classified for {name} {{")))
         .collect();
