@@ -290,6 +290,8 @@ class Robot(_native.Robot):
     def describe(self) -> dict[str, Any]:
         """Plain data of the robot: links, joints, frames, gravity and more; see `from_description`.
 
+        The page `docs/describe.md` of the repository lists every key with its unit.
+
         Returns
         -------
         dict

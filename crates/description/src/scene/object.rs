@@ -103,7 +103,7 @@ impl Object {
     ///
     /// ```
     /// use robot_dynamics::description::{MassProperties, Object, Shape};
-    /// let body = MassProperties::solid_box(500.0, [0.1, 0.1, 0.2].into())?;
+    /// let body = MassProperties::point(1.0, [0.0, 0.0, 0.05].into())?;
     /// let mug = Object::with_mass_properties("mug", Shape::mesh("mug.stl"), body);
     /// assert_eq!(mug.mass_properties.map(|body| body.mass()), Some(1.0));
     /// # Ok::<(), robot_dynamics::description::InertiaError>(())
