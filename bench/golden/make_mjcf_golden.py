@@ -30,9 +30,9 @@ import golden_file  # noqa: E402
 
 OUT = environment.ROOT / "testdata" / "mjcf" / "golden.json"
 STATES = 3
-# Duration and step of the motion, and the step with a free body [s], whose coordinates and errors differ from
-# this library's.
-DURATION, STEP, STEP_FREE = 1.0, 0.001, 0.0002
+# Duration and step of the motion, and the step with a free body or a muscle [s]. The coordinates of free bodies
+# and the integration of muscles' activations, and so their errors, differ from this library's.
+DURATION, STEP, SHORT_STEP = 1.0, 0.001, 0.0002
 
 
 def motors(model, target, kind, values):
@@ -152,7 +152,9 @@ def motion(path, random):
     """A state near the file's own pose, and the end of MuJoCo's RK4 motion from it."""
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-    step = STEP_FREE if (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any() else STEP
+    is_free = (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any()
+    is_muscle = (model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_MUSCLE)).any()
+    step = SHORT_STEP if is_free or is_muscle else STEP
     model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, step
     # The exact filter is exact in Euler's steps; in RK4 steps it adds an error of first order.
     exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)

@@ -1,13 +1,18 @@
 //! Actuators: what they act on, and their force as a function of control, length and velocity.
 
+use core::fmt;
+
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
+
+use crate::{Activation, Muscle};
 
 /// An actuator with the bounded force f = gain(ℓ, ℓ̇)·u + bias(ℓ, ℓ̇) on a joint, a tendon or a frame. u is
 /// the control, or its filtered value.
 ///
-/// A motor has gain 1 and bias 0. A position servo has gain k and bias −k ℓ − d ℓ̇.
-#[derive(Clone, Debug, PartialEq)]
+/// A motor has gain 1 and bias 0. A position servo has gain k and bias −k ℓ − d ℓ̇. A [`Muscle`] has curves in
+/// place of gain and bias.
+#[derive(Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
 pub struct ActuatorDescription {
@@ -19,8 +24,21 @@ pub struct ActuatorDescription {
     pub gain: Affine,
     /// The term that does not depend on the control.
     pub bias: Affine,
+    /// The curves of a muscle, which replace gain and bias.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub muscle: Option<Muscle>,
     /// The dynamics from the control to u.
     pub activation: Activation,
+    /// Bounds of u with dynamics, at which it stops; infinite without.
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            default = "unbounded",
+            skip_serializing_if = "is_unbounded",
+            with = "crate::joint::numbers_or_infinity"
+        )
+    )]
+    pub activation_range: [f64; 2],
     /// Bounds of the control; infinite for an unlimited one.
     #[cfg_attr(feature = "serde", serde(with = "crate::joint::numbers_or_infinity"))]
     pub control_range: [f64; 2],
@@ -38,15 +56,16 @@ impl ActuatorDescription {
     /// assert_eq!((motor.gain.constant, motor.bias.constant), (1.0, 0.0));
     /// ```
     pub fn new(name: impl Into<String>, transmission: Transmission) -> Self {
-        let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
         Self {
             name: name.into(),
             transmission,
             gain: Affine::constant(1.0),
             bias: Affine::default(),
+            muscle: None,
             activation: Activation::None,
-            control_range: unbounded,
-            force_range: unbounded,
+            activation_range: unbounded(),
+            control_range: unbounded(),
+            force_range: unbounded(),
         }
     }
 
@@ -72,8 +91,52 @@ impl ActuatorDescription {
     /// assert_eq!(motor.force(3.0, 0.0, 0.0), 2.0);
     /// ```
     pub fn force(&self, u: f64, length: f64, velocity: f64) -> f64 {
-        let force = self.gain.at(length, velocity) * u + self.bias.at(length, velocity);
+        let force = self.unbounded_force(u, length, velocity);
         force.max(self.force_range[0]).min(self.force_range[1])
+    }
+
+    /// f without its bounds.
+    pub fn unbounded_force(&self, u: f64, length: f64, velocity: f64) -> f64 {
+        match &self.muscle {
+            Some(muscle) => muscle.force(u, length, velocity),
+            None => self.gain.at(length, velocity) * u + self.bias.at(length, velocity),
+        }
+    }
+}
+
+fn unbounded() -> [f64; 2] {
+    [f64::NEG_INFINITY, f64::INFINITY]
+}
+
+#[cfg(feature = "serde")]
+fn is_unbounded(range: &[f64; 2]) -> bool {
+    *range == unbounded()
+}
+
+/// Muscle and activation range appear only if they act, because the fingerprint of a robot is made of this text.
+impl fmt::Debug for ActuatorDescription {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            name,
+            transmission,
+            gain,
+            bias,
+            muscle,
+            activation,
+            activation_range,
+            control_range,
+            force_range,
+        } = self;
+        let mut text = f.debug_struct("ActuatorDescription");
+        text.field("name", name).field("transmission", transmission).field("gain", gain).field("bias", bias);
+        if let Some(muscle) = muscle {
+            text.field("muscle", muscle);
+        }
+        text.field("activation", activation);
+        if *activation_range != unbounded() {
+            text.field("activation_range", activation_range);
+        }
+        text.field("control_range", control_range).field("force_range", force_range).finish()
     }
 }
 
@@ -146,20 +209,4 @@ impl Transmission {
     pub fn joint(joint: impl Into<String>, gear: f64) -> Self {
         Self::Joint { joint: joint.into(), gear: [gear, 0.0, 0.0, 0.0, 0.0, 0.0] }
     }
-}
-
-/// The dynamics from the control to the activation u.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub enum Activation {
-    /// u is the control.
-    #[default]
-    None,
-    /// u̇ is the control.
-    Integrator,
-    /// u̇ = (control − u)/T.
-    Filter {
-        /// T \[s\].
-        time_constant: f64,
-    },
 }

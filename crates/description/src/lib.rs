@@ -4,6 +4,7 @@
 //! `robot-dynamics-core` checks it and compiles it into a model. [`MassProperties`] are checked on
 //! construction. [`plausibility`] reports numbers that seem to be in a wrong unit.
 
+mod activation;
 mod actuated_joints;
 mod actuator;
 mod contact_pair;
@@ -20,6 +21,7 @@ mod inertia;
 mod joint;
 mod joint_kind;
 mod length;
+mod muscle;
 mod named_pose;
 mod pendulum;
 pub mod plausibility;
@@ -41,7 +43,8 @@ pub mod text;
 pub mod validation;
 mod written_file;
 
-pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
+pub use activation::Activation;
+pub use actuator::{ActuatorDescription, Affine, Transmission};
 pub use contact_pair::ContactPairDescription;
 pub use edit::{EditNote, moved_by};
 pub use equality::{Equality, EqualityDescription};
@@ -58,6 +61,7 @@ pub use inertia::{
 pub use joint::{JointDescription, Limits, Mimic, PassiveForces};
 pub use joint_kind::{Coordinate, CoordinateKind, JointKind, z_onto};
 pub use length::check_length;
+pub use muscle::Muscle;
 pub use named_pose::NamedPose;
 pub use pendulum::pendulum;
 pub use polynomial_stiffness_damping::PolynomialStiffnessDamping;

@@ -1,14 +1,17 @@
-//! Reads `<actuator>`: affine gain and bias, on joints, fixed tendons and sites.
+//! Reads `<actuator>`: affine gain and bias or a muscle, on joints, tendons and sites.
 //!
 //! In MJCF all kinds of actuators set the same numbers. The defaults of a class set them first, whatever
 //! their kind.
 
-use core::f64::consts::PI;
+mod settings;
+
 use std::collections::HashMap;
 
 use robot_dynamics_description::{
-    Activation, ActuatorDescription, Affine, Limits, RobotDescription, Transmission,
+    Activation, ActuatorDescription, Affine, Limits, Muscle, RobotDescription, Transmission,
 };
+
+use self::settings::Settings;
 
 use crate::assembly::ElementTable;
 use crate::classes::{ACTUATORS, MAIN};
@@ -18,37 +21,6 @@ use crate::names::Names;
 use crate::option::DisabledForces;
 use crate::reader::Reader;
 use crate::tree::Id;
-
-/// The numbers of an actuator in MJCF.
-#[derive(Clone, Debug)]
-struct Settings {
-    gain_kind: String,
-    gain: [f64; 10],
-    bias_kind: String,
-    bias: [f64; 10],
-    dynamics: String,
-    dynamics_numbers: [f64; 10],
-    inherit_range: f64,
-    /// Set for a damper, whose control is not negative.
-    control_is_limited: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        let mut first = [0.0; 10];
-        first[0] = 1.0;
-        Self {
-            gain_kind: "fixed".into(),
-            gain: first,
-            bias_kind: "none".into(),
-            bias: [0.0; 10],
-            dynamics: "none".into(),
-            dynamics_numbers: first,
-            inherit_range: 0.0,
-            control_is_limited: false,
-        }
-    }
-}
 
 /// The actuators of the file and those that are in the robot.
 #[derive(Default)]
@@ -61,6 +33,13 @@ pub(crate) struct Actuators {
     pub(crate) read: Vec<usize>,
     /// Servos with a damping ratio: index in the robot, and the ratio of the critical damping.
     pub(crate) damping_ratios: Vec<(usize, f64)>,
+    /// Muscles whose peak force is this number by the acceleration that a unit force causes.
+    pub(crate) muscle_scales: Vec<(usize, f64)>,
+}
+
+/// The message for a kind of actuator that is not supported.
+fn unsupported(what: &str, word: &str) -> String {
+    format!("{what}={word:?}: an actuator of this kind is not in the model")
 }
 
 impl Reader<'_> {
@@ -98,11 +77,17 @@ impl Reader<'_> {
                 );
             }
             let mut actuator = ActuatorDescription::new(own, transmission);
-            let Some(activation) = self.force(&element, &settings, &mut actuator) else { continue };
+            let Some(activation) = self.activation(&element, &settings) else { continue };
             actuator.activation = activation;
             self.motor(&element, &actuator.transmission, disabled, &joints, &tendons, robot);
             let target = self.target_limits(&element, table, robot, &tendons);
             self.ranges(&element, &settings, target, &mut actuator);
+            if !self.force(&element, &settings, target, &mut actuator) {
+                continue;
+            }
+            if actuator.muscle.is_some_and(|muscle| muscle.peak_force < 0.0) {
+                actuators.muscle_scales.push((robot.actuators.len(), settings.gain[3]));
+            }
             // In MJCF a positive velocity bias of a servo is a damping ratio.
             if settings.gain_kind == "fixed"
                 && settings.gain[0] == -settings.bias[1]
@@ -118,110 +103,43 @@ impl Reader<'_> {
         actuators
     }
 
-    /// The numbers of the actuator over the defaults of its class; `None` for a kind that is not supported.
-    fn settings(&mut self, element: &Element) -> Option<Settings> {
-        let mut settings = Settings::default();
-        let nodes: Vec<Id> = element.defaults.iter().copied().chain([element.node]).collect();
-        for node in nodes {
-            let one = self.raw_element(node);
-            let name = self.tree.nodes[node].name.as_str();
-            if !self.set(&one, name, &mut settings) && node == element.node {
-                return None; // reported by `list_unread`
+    /// The dynamics of the activation; `None`, with a warning, for a kind that is not supported.
+    fn activation(&mut self, element: &Element, settings: &Settings) -> Option<Activation> {
+        let [first, second, third, ..] = settings.dynamics_numbers;
+        match settings.dynamics.as_str() {
+            "none" => Some(Activation::None),
+            "integrator" => Some(Activation::Integrator),
+            "filter" | "filterexact" if first > 0.0 => Some(Activation::Filter { time_constant: first }),
+            "muscle" if first > 0.0 && second > 0.0 => {
+                Some(Activation::Muscle { rise: first, fall: second, width: third.max(0.0) })
+            }
+            other => {
+                self.report_ignored_physics(element, unsupported("dyntype", other));
+                None
             }
         }
-        Some(settings)
     }
 
-    /// Sets the numbers of one element; `false` for a kind that is not supported.
-    fn set(&mut self, one: &Element, kind: &str, settings: &mut Settings) -> bool {
-        match kind {
-            "general" | "actuator" => {
-                for (attribute, text) in [
-                    ("gaintype", &mut settings.gain_kind),
-                    ("biastype", &mut settings.bias_kind),
-                    ("dyntype", &mut settings.dynamics),
-                ] {
-                    if let Some(word) = self.text(one, attribute) {
-                        word.trim().clone_into(text);
-                    }
-                }
-                settings.gain = self.overlay(one, "gainprm", settings.gain);
-                settings.bias = self.overlay(one, "biasprm", settings.bias);
-                settings.dynamics_numbers = self.overlay(one, "dynprm", settings.dynamics_numbers);
-            }
-            "motor" => {
-                settings.gain[0] = 1.0;
-                settings.kinds("fixed", "none", "none");
-            }
-            "position" | "intvelocity" => {
-                let stiffness = self.number(one, "kp").unwrap_or(settings.gain[0]);
-                (settings.gain[0], settings.bias[1]) = (stiffness, -stiffness);
-                if let Some(damping) = self.magnitude(one, "kv") {
-                    settings.bias[2] = -damping;
-                }
-                if let Some(ratio) = self.magnitude(one, "dampratio") {
-                    settings.bias[2] = ratio;
-                }
-                if let Some(time) = self.magnitude(one, "timeconst") {
-                    settings.dynamics_numbers[0] = time;
-                    settings.dynamics = if time == 0.0 { "none" } else { "filterexact" }.into();
-                }
-                settings.inherit_range = self.number(one, "inheritrange").unwrap_or(settings.inherit_range);
-                let dynamics =
-                    if kind == "position" { settings.dynamics.clone() } else { "integrator".into() };
-                settings.kinds("fixed", "affine", &dynamics);
-            }
-            "velocity" => {
-                let damping = self.number(one, "kv").unwrap_or(settings.gain[0]);
-                settings.bias = [0.0; 10];
-                (settings.gain[0], settings.bias[2]) = (damping, -damping);
-                settings.kinds("fixed", "affine", "none");
-            }
-            "damper" => {
-                let inherited = if settings.gain_kind == "affine" { -settings.gain[2] } else { 0.0 };
-                let damping = self.magnitude(one, "kv").unwrap_or(inherited);
-                settings.gain = [0.0; 10];
-                settings.gain[2] = -damping;
-                settings.control_is_limited = true;
-                settings.kinds("affine", "none", "none");
-            }
-            "cylinder" => {
-                settings.dynamics_numbers[0] =
-                    self.number(one, "timeconst").unwrap_or(settings.dynamics_numbers[0]);
-                let [a, b, c] = self.numbers::<3>(one, "bias").unwrap_or([
-                    settings.bias[0],
-                    settings.bias[1],
-                    settings.bias[2],
-                ]);
-                settings.bias[..3].copy_from_slice(&[a, b, c]);
-                settings.gain[0] = self.number(one, "area").unwrap_or(settings.gain[0]);
-                if let Some(diameter) = self.magnitude(one, "diameter") {
-                    settings.gain[0] = PI / 4.0 * diameter * diameter;
-                }
-                settings.kinds("fixed", "affine", "filter");
-            }
-            _ => return false,
-        }
-        true
-    }
-
-    /// Sets gain and bias and returns the activation; `None`, with a warning, for a kind that is not
-    /// supported.
+    /// Sets gain and bias, or the muscle; `false`, with a warning, for a kind that is not supported.
     fn force(
         &mut self,
         element: &Element,
         settings: &Settings,
+        target: Option<Limits>,
         actuator: &mut ActuatorDescription,
-    ) -> Option<Activation> {
+    ) -> bool {
         let affine = |[constant, length, velocity, ..]: [f64; 10]| Affine { constant, length, velocity };
-        let unsupported =
-            |what: &str, word: &str| format!("{what}={word:?}: an actuator of this kind is not in the model");
+        let is_muscle = [&settings.gain_kind, &settings.bias_kind].map(|kind| kind == "muscle");
+        if is_muscle == [true; 2] && settings.gain[..9] == settings.bias[..9] {
+            actuator.muscle = self.muscle(element, settings, target, &actuator.transmission);
+            return actuator.muscle.is_some();
+        }
         actuator.gain = match settings.gain_kind.as_str() {
             "fixed" => Affine::constant(settings.gain[0]),
             "affine" => affine(settings.gain),
             other => {
                 self.report_ignored_physics(element, unsupported("gaintype", other));
-                return None;
+                return false;
             }
         };
         actuator.bias = match settings.bias_kind.as_str() {
@@ -229,20 +147,52 @@ impl Reader<'_> {
             "affine" => affine(settings.bias),
             other => {
                 self.report_ignored_physics(element, unsupported("biastype", other));
-                return None;
+                return false;
             }
         };
-        match settings.dynamics.as_str() {
-            "none" => Some(Activation::None),
-            "integrator" => Some(Activation::Integrator),
-            "filter" | "filterexact" if settings.dynamics_numbers[0] > 0.0 => {
-                Some(Activation::Filter { time_constant: settings.dynamics_numbers[0] })
-            }
-            other => {
-                self.report_ignored_physics(element, unsupported("dyntype", other));
-                None
-            }
-        }
+        true
+    }
+
+    /// The curves of a muscle. MuJoCo finds a missing `lengthrange` by simulations that pull and push at the
+    /// muscle until its joint or tendon is at a limit; here the limits themselves are taken.
+    fn muscle(
+        &mut self,
+        element: &Element,
+        settings: &Settings,
+        target: Option<Limits>,
+        transmission: &Transmission,
+    ) -> Option<Muscle> {
+        let written = self.numbers::<2>(element, "lengthrange").filter(|[lower, upper]| lower != upper);
+        let length_range = written.or_else(|| {
+            let gear = match transmission {
+                Transmission::Joint { gear, .. } => gear[0],
+                Transmission::Tendon { gear, .. } => *gear,
+                Transmission::Frame { .. } => return None,
+            };
+            let limits = target.filter(|limits| limits.lower.is_finite() && limits.upper.is_finite())?;
+            let [a, b] = [limits.lower * gear, limits.upper * gear];
+            let message = format!(
+                "lengthrange is missing: taken from the limits of its target, {} to {}",
+                a.min(b),
+                a.max(b)
+            );
+            self.warn(element, message);
+            Some([a.min(b), a.max(b)])
+        });
+        let Some(length_range) = length_range else {
+            let message = "the muscle has no lengthrange and its target no limits, so the actuator is omitted; \
+                           write lengthrange, the shortest and the longest length";
+            self.report_ignored_physics(element, message);
+            return None;
+        };
+        let [lower, upper, force, _, shortest, longest, velocity, passive, lengthening, _] = settings.gain;
+        let mut muscle = Muscle::new(force, length_range);
+        muscle.range = [lower, upper];
+        muscle.active_range = [shortest, longest];
+        muscle.shortening_velocity = velocity;
+        muscle.passive_force = passive;
+        muscle.lengthening_force = lengthening;
+        Some(muscle)
     }
 
     fn transmission(
@@ -330,23 +280,22 @@ impl Reader<'_> {
         if let Some(range) = self.limit(element, "forcelimited", "forcerange") {
             actuator.force_range = range;
         }
+        let mut activation = self.limit(element, "actlimited", "actrange");
         let mut control = self.limit(element, "ctrllimited", "ctrlrange");
         if settings.control_is_limited && control.is_none() {
             control = self.numbers::<2>(element, "ctrlrange");
         }
         if settings.inherit_range > 0.0 {
             match target.filter(|limits| limits.lower < limits.upper && limits.lower.is_finite()) {
-                Some(limits) if settings.dynamics == "integrator" => {
-                    let message = format!(
-                        "inheritrange: the bounds {} to {} of its activation are not in the model",
-                        limits.lower, limits.upper
-                    );
-                    self.report_ignored_physics(element, message);
-                }
                 Some(limits) => {
                     let mean = 0.5 * (limits.upper + limits.lower);
                     let radius = 0.5 * (limits.upper - limits.lower) * settings.inherit_range;
-                    control = Some([mean - radius, mean + radius]);
+                    let inherited = Some([mean - radius, mean + radius]);
+                    if settings.dynamics == "integrator" {
+                        activation = inherited;
+                    } else {
+                        control = inherited;
+                    }
                 }
                 None => self.refuse(element, "inheritrange: its joint or tendon has no range"),
             }
@@ -354,13 +303,8 @@ impl Reader<'_> {
         if let Some(range) = control {
             actuator.control_range = range;
         }
-    }
-}
-
-impl Settings {
-    fn kinds(&mut self, gain: &str, bias: &str, dynamics: &str) {
-        gain.clone_into(&mut self.gain_kind);
-        bias.clone_into(&mut self.bias_kind);
-        dynamics.clone_into(&mut self.dynamics);
+        if let Some(range) = activation.filter(|_| actuator.activation != Activation::None) {
+            actuator.activation_range = range;
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! Computes springs and dampers that are given by time constants and damping ratios. They depend on the mass
-//! matrix in the pose of the file.
+//! Computes springs and dampers that are given by time constants and damping ratios, and the peak forces of
+//! muscles. They depend on the mass matrix in the pose of the file.
 
 use robot_dynamics_core::{Model, neutral};
 use robot_dynamics_description::RobotDescription;
@@ -11,6 +11,9 @@ use crate::reader::Reader;
 
 /// The largest number of degrees of freedom for which the mass matrix is inverted here.
 const DOF_LIMIT: usize = 1000;
+
+/// MuJoCo's smallest divisor.
+const MIN_ACCELERATION: f64 = 1e-15;
 
 impl Reader<'_> {
     /// Sets stiffness and damping of joints with `springdamper`, and the damping of servos with `dampratio`.
@@ -27,14 +30,22 @@ impl Reader<'_> {
             .enumerate()
             .filter_map(|(at, joint)| Some((at, joint.spring_damper?)))
             .collect();
-        if (springs.is_empty() && actuators.damping_ratios.is_empty()) || !self.errors.is_empty() {
+        let depends_on_mass = !springs.is_empty()
+            || !actuators.damping_ratios.is_empty()
+            || !actuators.muscle_scales.is_empty();
+        if !depends_on_mass || !self.errors.is_empty() {
             return;
         }
         let Some(inverse) = inverse_mass_matrix(table, robot) else {
-            let message = "springdamper and dampratio need an invertible mass matrix and at most 1000 degrees of \
-                           freedom: their springs and dampers are not in the model";
+            let message = "springdamper, dampratio and the scale of muscles need an invertible mass matrix and at \
+                           most 1000 degrees of freedom: their springs, dampers and forces are not in the model";
             let root = self.raw_element(crate::tree::Tree::ROOT);
             self.report_ignored_physics(&root, message);
+            for &(at, _) in &actuators.muscle_scales {
+                if let Some(muscle) = &mut robot.actuators[at].muscle {
+                    muscle.peak_force = 0.0;
+                }
+            }
             return;
         };
         let dofs = |joint: usize| table.joints[joint].motion.dof_count();
@@ -73,6 +84,15 @@ impl Reader<'_> {
             let moved = if admittance > 0.0 { 1.0 / admittance } else { 0.0 };
             let actuator = &mut robot.actuators[at];
             actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * moved).max(0.0).sqrt();
+        }
+        for &(at, scale) in &actuators.muscle_scales {
+            // |M⁻¹ Jᵀ|: the acceleration by a unit force.
+            let row = moment(robot, table, &first, at);
+            let entry = |i: usize| row.iter().map(|&(j, b)| inverse[(i, j)] * b).sum::<f64>();
+            let acceleration = (0..inverse.nrows()).map(|i| entry(i).powi(2)).sum::<f64>().sqrt();
+            if let Some(muscle) = &mut robot.actuators[at].muscle {
+                muscle.peak_force = scale / acceleration.max(MIN_ACCELERATION);
+            }
         }
     }
 }

@@ -78,11 +78,12 @@ pub mod description {
         EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FluidEllipsoid, FluidForm, FluidShape,
         FrameDescription, GroupDescription, InertiaError, JointDescription, JointKind, JointKinds,
         JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
-        Medium, Mimic, ModelError, Mount, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
-        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
-        RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
-        SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
-        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        Medium, Mimic, ModelError, Mount, Muscle, NamedPose, Object, PassiveForces,
+        PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions,
+        RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject,
+        Severity, Shape, ShapeRole, SolverImpedance, Surface, TendonDescription, TendonSolverImpedance,
+        Transmission, UnsupportedFeature, WrittenFile, parallel_axis, parallel_axis_planar, pendulum,
+        random_robot,
     };
 }
 

@@ -2,7 +2,7 @@
 
 use super::checks::{check, check_range, index_names, unknown};
 use super::names::Names;
-use crate::{Activation, ModelError, RobotDescription, Transmission};
+use crate::{Activation, ModelError, Muscle, RobotDescription, Transmission};
 
 pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("actuator", description.actuators.iter().map(|actuator| actuator.name.as_str()))?;
@@ -33,11 +33,56 @@ pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>)
         for number in gear.iter().copied().chain(numbers) {
             check(number.is_finite(), &owner, "gear, gain or bias", number, "finite")?;
         }
-        if let Activation::Filter { time_constant } = actuator.activation {
-            check(time_constant > 0.0, &owner, "time constant", time_constant, "positive")?;
+        check_activation(&owner, &actuator.activation)?;
+        if let Some(muscle) = &actuator.muscle {
+            check_muscle(&owner, muscle)?;
         }
+        check_range(&owner, "activation range", actuator.activation_range)?;
         check_range(&owner, "control range", actuator.control_range)?;
         check_range(&owner, "force range", actuator.force_range)?;
+    }
+    Ok(())
+}
+
+fn check_activation(owner: &str, activation: &Activation) -> Result<(), ModelError> {
+    match *activation {
+        Activation::None | Activation::Integrator => Ok(()),
+        Activation::Filter { time_constant } => {
+            check(time_constant > 0.0, owner, "time constant", time_constant, "positive")
+        }
+        Activation::Muscle { rise, fall, width } => {
+            for time_constant in [rise, fall] {
+                let is_valid = time_constant > 0.0 && time_constant.is_finite();
+                check(is_valid, owner, "time constant", time_constant, "positive and finite")?;
+            }
+            check(width >= 0.0, owner, "width of the change of its time constants", width, "zero or positive")
+        }
+    }
+}
+
+fn check_muscle(owner: &str, muscle: &Muscle) -> Result<(), ModelError> {
+    let Muscle {
+        peak_force,
+        length_range,
+        range,
+        active_range: [shortest, longest],
+        shortening_velocity,
+        passive_force,
+        lengthening_force,
+    } = *muscle;
+    for ([lower, upper], quantity) in [(length_range, "length range"), (range, "operating range")] {
+        let is_valid = lower < upper && (upper - lower).is_finite();
+        check(is_valid, owner, quantity, upper - lower, "an interval of positive length")?;
+    }
+    for (is_valid, quantity, value, expected) in [
+        (peak_force.is_finite(), "peak force", peak_force, "finite"),
+        (shortest < 1.0, "shortest active length", shortest, "below the optimal length 1"),
+        (longest > 1.0, "longest active length", longest, "above the optimal length 1"),
+        (shortening_velocity > 0.0, "velocity of shortening", shortening_velocity, "positive"),
+        (passive_force.is_finite(), "passive force", passive_force, "finite"),
+        (lengthening_force >= 1.0, "force of lengthening", lengthening_force, "at least 1"),
+    ] {
+        check(is_valid, owner, quantity, value, expected)?;
     }
     Ok(())
 }

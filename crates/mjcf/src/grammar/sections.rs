@@ -40,12 +40,24 @@ const ACTUATOR: &[&str] = &[
     "bias",
     "armature",
     "damping",
+    "actlimited",
+    "actrange",
+    "lengthrange",
+    "tausmooth",
+    "range",
+    "force",
+    "scale",
+    "lmin",
+    "lmax",
+    "vmax",
+    "fpmax",
+    "fvmax",
 ];
 /// `input` names the control, and `actdim` the number of activations, which follow from the kind of the
 /// actuator; `velrange` and `ffrange` are those of a kind that is not supported.
 const ACTUATOR_IGNORED: &[&str] =
-    &["group", "user", "lengthrange", "nsample", "interp", "input", "actdim", "velrange", "ffrange"];
-const ACTUATOR_PHYSICS: &[(&str, &str)] = &[("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
+    &["group", "user", "nsample", "interp", "input", "actdim", "velrange", "ffrange"];
+const ACTUATOR_PHYSICS: &[(&str, &str)] = &[("delay", "0")];
 
 /// An actuator of a supported kind.
 const fn actuator(name: &'static str) -> Rule {
@@ -277,7 +289,7 @@ pub(super) const RULES: &[Rule] = &[
     actuator("intvelocity"),
     actuator("damper"),
     actuator("cylinder"),
-    unsupported_actuator("muscle"),
+    actuator("muscle"),
     unsupported_actuator("adhesion"),
     unsupported_actuator("dcmotor"),
     unsupported_actuator("pid"),

@@ -1,6 +1,6 @@
 //! Writes `<actuator>`.
 
-use robot_dynamics_description::{Activation, ActuatorDescription, Affine, JointKind, Transmission};
+use robot_dynamics_description::{Activation, ActuatorDescription, Affine, JointKind, Muscle, Transmission};
 use robot_dynamics_xml::excerpt;
 
 use super::MjcfWriter;
@@ -82,9 +82,17 @@ impl MjcfWriter<'_> {
             Activation::Filter { time_constant } => {
                 self.xml.attribute("dyntype", "filterexact").numbers("dynprm", &[time_constant]);
             }
+            Activation::Muscle { rise, fall, width } => {
+                self.xml.attribute("dyntype", "muscle").numbers("dynprm", &[rise, fall, width]);
+            }
         }
-        self.write_law("gain", &actuator.gain);
-        self.write_law("bias", &actuator.bias);
+        self.write_range(place, "actrange", actuator.activation_range);
+        if let Some(muscle) = &actuator.muscle {
+            self.write_muscle(muscle);
+        } else {
+            self.write_law("gain", &actuator.gain);
+            self.write_law("bias", &actuator.bias);
+        }
         self.xml.end();
     }
 
@@ -92,6 +100,26 @@ impl MjcfWriter<'_> {
         if *gear != [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] {
             self.xml.numbers("gear", gear);
         }
+    }
+
+    fn write_muscle(&mut self, muscle: &Muscle) {
+        let [lower, upper] = muscle.range;
+        let [shortest, longest] = muscle.active_range;
+        let curves = [
+            lower,
+            upper,
+            muscle.peak_force,
+            // The scale, which only a negative peak force would need.
+            0.0,
+            shortest,
+            longest,
+            muscle.shortening_velocity,
+            muscle.passive_force,
+            muscle.lengthening_force,
+        ];
+        self.xml.numbers("lengthrange", &muscle.length_range);
+        self.xml.attribute("gaintype", "muscle").numbers("gainprm", &curves);
+        self.xml.attribute("biastype", "muscle").numbers("biasprm", &curves);
     }
 
     /// Writes gain or bias, whose defaults are 1 and 0.

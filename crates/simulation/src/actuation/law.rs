@@ -271,8 +271,9 @@ impl Actuation {
         }
     }
 
-    /// Advances the activations by h \[s\] with constant controls, exactly. Without activation dynamics, an
-    /// activation equals its control.
+    /// Advances the activations by h \[s\] with constant controls, exactly
+    /// ([`Activation::after`](robot_dynamics_description::Activation::after)). They stop at the bounds of
+    /// their ranges. Without activation dynamics, an activation equals its control.
     ///
     /// ```
     /// use robot_dynamics::description::{Activation, ActuatorDescription, Transmission, pendulum};
@@ -297,13 +298,11 @@ impl Actuation {
         check_length("the activations", activations.len(), self.actuators.len());
         for (k, (actuator, _)) in self.actuators.iter().enumerate() {
             let control = within(controls[k], actuator.control_range);
-            match actuator.activation {
-                Activation::None => activations[k] = control,
-                Activation::Integrator => activations[k] += h * control,
-                Activation::Filter { time_constant } => {
-                    activations[k] += (control - activations[k]) * -(-h / time_constant).exp_m1();
-                }
-            }
+            let after = actuator.activation.after(h, control, activations[k]);
+            activations[k] = match actuator.activation {
+                Activation::None => after,
+                _ => within(after, actuator.activation_range),
+            };
         }
     }
 
@@ -340,7 +339,8 @@ impl Actuation {
         check_length("tau", tau.len(), model.nv);
     }
 
-    /// Computes each actuator's f into `workspace.forces`.
+    /// Computes each actuator's f into `workspace.forces`. As in MuJoCo, the bound on a tendon's total force
+    /// scales the forces of its actuators first; then each is limited to its own range.
     fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
         workspace.on_tendons.fill(0.0);
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
@@ -349,18 +349,19 @@ impl Actuation {
                 Activation::None => within(u[k], actuator.control_range),
                 _ => u[k],
             };
-            workspace.forces[k] = actuator.force(u, length, rate);
+            workspace.forces[k] = actuator.unbounded_force(u, length, rate);
             if let Drive::Tendon { index, gear } = drive {
                 workspace.on_tendons[*index] += gear * workspace.forces[k];
             }
         }
-        for (k, (_, drive)) in self.actuators.iter().enumerate() {
+        for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
             if let Drive::Tendon { index, .. } = drive {
                 let (sum, most) = (workspace.on_tendons[*index].abs(), self.tendons[*index].most_force());
                 if sum > most {
                     workspace.forces[k] *= most / sum;
                 }
             }
+            workspace.forces[k] = within(workspace.forces[k], actuator.force_range);
         }
     }
 

@@ -108,6 +108,44 @@ fn conservative_forces_are_derivatives_of_stored_energy() {
     }
 }
 
+/// The bound on a tendon's total force scales the actuators' forces before their own bounds; the values are
+/// MuJoCo's (4.0.0).
+#[test]
+fn bounds_of_a_tendon_act_before_those_of_its_actuators() {
+    let mut robot = pendulum(2.0, 0.5);
+    let mut tendon = TendonDescription::new("cable", [("hinge".to_owned(), 1.0)]);
+    tendon.limits = tendon.limits.with_effort(1.0);
+    robot.tendons.push(tendon);
+    for name in ["strong", "weak"] {
+        let on_cable = Transmission::Tendon { tendon: "cable".into(), gear: 1.0 };
+        let mut motor = ActuatorDescription::new(name, on_cable);
+        motor.force_range = [-1.0, 1.0];
+        robot.actuators.push(motor);
+    }
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let mut forces = [0.0; 2];
+    actuation.actuator_forces(&model, &mut actuation.workspace(), &[10.0, 2.0], &[0.0], &[0.0], &mut forces);
+    assert!((forces[0] - 5.0 / 6.0).abs() < 1e-15 && (forces[1] - 1.0 / 6.0).abs() < 1e-15, "{forces:?}");
+}
+
+/// An integrated control stops at the bound of its activation, and leaves it at once when the control turns.
+#[test]
+fn activations_stop_at_their_bounds() {
+    let mut robot = pendulum(2.0, 0.5);
+    let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0));
+    motor.activation = Activation::Integrator;
+    motor.activation_range = [-0.2, 0.3];
+    robot.actuators.push(motor);
+    let actuation = Actuation::new(&Model::new(robot).unwrap()).unwrap();
+    let mut activation = [0.0];
+    for (control, h, expected) in [(1.0, 0.25, 0.25), (1.0, 0.25, 0.3), (-1.0, 0.25, 0.05), (-2.0, 1.0, -0.2)]
+    {
+        actuation.activate(&[control], h, &mut activation);
+        assert!((activation[0] - expected).abs() < 1e-15, "{control}: {activation:?}");
+    }
+}
+
 /// With all weight compensated the passive forces are g, and V plus the stored energy is constant.
 #[test]
 fn full_gravity_compensation_is_gravity_forces() {
