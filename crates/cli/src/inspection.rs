@@ -3,7 +3,7 @@
 use robot_dynamics::description::{
     ActuatorDescription, Base, EndEffectorDescription, EqualityDescription, FluidShape, GroupDescription,
     Limits, LinkShape, LoadReport, Medium, Mimic, NamedPose, PassiveForces, SensorDescription,
-    TendonDescription,
+    SpatialTendonDescription, TendonDescription,
 };
 use robot_dynamics::model::{Joint, Model};
 use serde::Serialize;
@@ -28,6 +28,7 @@ pub(crate) struct Inspection<'a> {
     medium: Option<Medium>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     fluid_shapes: &'a [FluidShape],
+    spatial_tendons: &'a [SpatialTendonDescription],
     equalities: &'a [EqualityDescription],
     sensors: &'a [SensorDescription],
     poses: &'a [NamedPose],
@@ -110,6 +111,7 @@ impl<'a> Inspection<'a> {
             tendons: &description.tendons,
             medium: Some(description.medium).filter(Medium::acts),
             fluid_shapes: &description.fluid_shapes,
+            spatial_tendons: &description.spatial_tendons,
             equalities: &description.equalities,
             sensors: &description.sensors,
             poses: &description.poses,

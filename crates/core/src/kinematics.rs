@@ -4,8 +4,10 @@
 //! (S a + Ṡ v). Each stage is one pass, O(n). The frame's origin moves with the robot
 //! (`model::reference_point`): about a distant origin the terms m d² would cancel significant digits.
 
+pub mod body_placement;
 pub mod parent_inertia;
 pub mod placement;
 pub mod shifts;
+pub mod tendon_path;
 pub mod world_frame;
 pub mod wrench;

@@ -43,6 +43,14 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// The path of a spatial tendon is invalid.
+    #[error("tendon `{tendon}`: {problem}")]
+    TendonPath {
+        /// The tendon.
+        tendon: String,
+        /// What is wrong.
+        problem: &'static str,
+    },
     /// A joint, frame or mimic joint refers to an unknown name.
     #[error("{user} refers to {sort} `{name}`, which does not exist")]
     UnknownName {

@@ -20,8 +20,9 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
         contact_exclusions: _,
         contact_pairs: _,
         tendons,
-        medium,
         fluid_shapes,
+        medium,
+        spatial_tendons,
         equalities,
         actuators,
         sensors: _,
@@ -34,12 +35,13 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
     } = description;
     let motion = (name, gravity, base, links, joints, frames);
     let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
-    // Without a list of actuated joints nothing is hashed, so that such robots keep their fingerprints.
+    // Without spatial tendons or a list of actuated joints nothing is hashed, so that such robots keep their fingerprints.
+    let paths = if spatial_tendons.is_empty() { Ok(()) } else { write!(hash, "{spatial_tendons:?}") };
     let chosen = actuated_joints.as_ref().map_or(Ok(()), |joints| write!(hash, "{joints:?}"));
     // Likewise for robots without a fluid.
     let is_dry = *medium == Medium::default() && fluid_shapes.is_empty();
     let wet = if is_dry { Ok(()) } else { write!(hash, "{medium:?}{fluid_shapes:?}") };
-    debug_assert!(written.and(chosen).and(wet).is_ok(), "a description has a text");
+    debug_assert!(written.and(paths).and(chosen).and(wet).is_ok(), "a description has a text");
     hash.0
 }
 

@@ -185,6 +185,18 @@ pub struct PassiveForces {
 }
 
 impl PassiveForces {
+    /// The stretch (positive) or compression (negative) at a position of a spring with a dead band from `rest` to
+    /// `rest` + `dead_band`.
+    ///
+    /// ```
+    /// let spring = robot_dynamics::description::PassiveForces::default().with_spring(10.0, 0.1);
+    /// assert_eq!([0.0, 0.2, 0.5].map(|position| spring.stretch(position, 0.2)), [-0.1, 0.0, 0.2]);
+    /// ```
+    pub fn stretch(&self, position: f64, dead_band: f64) -> f64 {
+        let beyond = position - self.rest;
+        if beyond < 0.0 { beyond } else { (beyond - dead_band).max(0.0) }
+    }
+
     /// With a rotor inertia at the joint \[kg·m² or kg\].
     ///
     /// ```

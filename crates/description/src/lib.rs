@@ -37,6 +37,7 @@ mod scene;
 pub mod sensor;
 mod shape;
 mod solver_impedance;
+mod spatial_tendon;
 mod tendon;
 pub mod text;
 #[doc(hidden)]
@@ -77,5 +78,6 @@ pub use scene::{Mount, Object, Scene};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};
 pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use solver_impedance::{JointSolverImpedance, SolverImpedance, TendonSolverImpedance};
+pub use spatial_tendon::{SpatialTendonDescription, TendonPathElement, TendonSurface};
 pub use tendon::TendonDescription;
 pub use written_file::{UnsupportedFeature, WrittenFile};

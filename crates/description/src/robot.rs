@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     ActuatorDescription, ContactPairDescription, EndEffectorDescription, EqualityDescription, FluidShape,
     FrameDescription, GroupDescription, JointDescription, JointKind, LinkShape, MassProperties, Medium,
-    NamedPose, SensorDescription, TendonDescription,
+    NamedPose, SensorDescription, SpatialTendonDescription, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -53,6 +53,9 @@ pub struct RobotDescription {
     /// The parts of links on which the fluid acts.
     #[cfg_attr(feature = "serde", serde(default))]
     pub fluid_shapes: Vec<FluidShape>,
+    /// Tendons along a path through points of links.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spatial_tendons: Vec<SpatialTendonDescription>,
     /// Equalities in addition to the tree.
     #[cfg_attr(feature = "serde", serde(default))]
     pub equalities: Vec<EqualityDescription>,
@@ -84,6 +87,12 @@ pub struct RobotDescription {
 }
 
 impl RobotDescription {
+    /// The names of all tendons, those over joints first.
+    pub fn tendon_names(&self) -> impl Iterator<Item = &str> {
+        let over_joints = self.tendons.iter().map(|tendon| tendon.name.as_str());
+        over_joints.chain(self.spatial_tendons.iter().map(|tendon| tendon.name.as_str()))
+    }
+
     /// An empty robot in Earth's gravity, its base fixed to the world.
     pub fn new(name: impl Into<String>) -> Self {
         Self {
@@ -99,6 +108,7 @@ impl RobotDescription {
             tendons: Vec::new(),
             medium: Medium::default(),
             fluid_shapes: Vec::new(),
+            spatial_tendons: Vec::new(),
             equalities: Vec::new(),
             actuators: Vec::new(),
             sensors: Vec::new(),

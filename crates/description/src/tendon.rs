@@ -69,7 +69,6 @@ impl TendonDescription {
     /// assert_eq!([0.0, 0.2, 0.5].map(|length| tendon.stretch(length)), [-0.1, 0.0, 0.2]);
     /// ```
     pub fn stretch(&self, length: f64) -> f64 {
-        let beyond = length - self.passive.rest;
-        if beyond < 0.0 { beyond } else { (beyond - self.dead_band).max(0.0) }
+        self.passive.stretch(length, self.dead_band)
     }
 }

@@ -60,7 +60,7 @@ impl Reader<'_> {
         actuators.count = all.len();
         actuators.nodes.clone_from(&all);
         let tendons: HashMap<String, usize> =
-            robot.tendons.iter().enumerate().map(|(index, tendon)| (tendon.name.clone(), index)).collect();
+            robot.tendon_names().enumerate().map(|(index, tendon)| (tendon.to_owned(), index)).collect();
         let joints: HashMap<String, usize> =
             robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.clone(), index)).collect();
         for (index, id) in all.into_iter().enumerate() {
@@ -220,16 +220,7 @@ impl Reader<'_> {
             if tendons.contains_key(name) {
                 return Some(Transmission::Tendon { tendon: name.into(), gear: gear[0] });
             }
-            let is_spatial =
-                self.tree.in_sections("tendon").any(|id| self.tree.nodes[id].attribute("name") == Some(name));
-            if is_spatial {
-                self.report_ignored_physics(
-                    element,
-                    format!("its tendon {name:?} is not in the model, so the actuator is omitted"),
-                );
-            } else {
-                self.refuse_unknown_name(element, "tendon", name);
-            }
+            self.refuse_unknown_name(element, "tendon", name);
             return None;
         }
         if let Some(name) = self.text(element, "site") {
@@ -267,7 +258,11 @@ impl Reader<'_> {
     ) -> Option<Limits> {
         let joint = self.text(element, "joint").and_then(|name| table.joint(name)).map(|joint| joint.limits);
         let tendon = self.text(element, "tendon").and_then(|name| tendons.get(name));
-        joint.or_else(|| tendon.map(|&index| robot.tendons[index].limits))
+        joint.or_else(|| {
+            let over_joints = robot.tendons.iter().map(|tendon| tendon.limits);
+            let mut all = over_joints.chain(robot.spatial_tendons.iter().map(|tendon| tendon.limits));
+            all.nth(*tendon?)
+        })
     }
 
     fn ranges(

@@ -1,12 +1,16 @@
 //! Computes springs and dampers that are given by time constants and damping ratios, and the peak forces of
-//! muscles. They depend on the mass matrix in the pose of the file.
+//! muscles. They depend on the mass matrix in the pose of the file. The rest lengths of spatial tendons depend on
+//! a pose, too.
 
-use robot_dynamics_core::{Model, neutral};
+use robot_dynamics_core::kinematics::body_placement::Placement;
+use robot_dynamics_core::kinematics::tendon_path::TendonPath;
+use robot_dynamics_core::{Model, Workspace, neutral};
 use robot_dynamics_description::RobotDescription;
 
 use crate::actuator::Actuators;
-use crate::assembly::{ElementTable, pose_spring};
+use crate::assembly::{ElementTable, JointEntry, pose_spring};
 use crate::body::Body;
+use crate::joint::JointType;
 use crate::reader::Reader;
 
 /// The largest number of degrees of freedom for which the mass matrix is inverted here.
@@ -16,6 +20,27 @@ const DOF_LIMIT: usize = 1000;
 const MIN_ACCELERATION: f64 = 1e-15;
 
 impl Reader<'_> {
+    /// Sets the rest length of spatial tendons without one, the length where the springs of the joints are at
+    /// rest.
+    pub(crate) fn resolve_rest_lengths(
+        &mut self,
+        table: &ElementTable,
+        at_rest: &[usize],
+        robot: &mut RobotDescription,
+    ) {
+        if at_rest.is_empty() || !self.errors.is_empty() {
+            return;
+        }
+        let position = |joint: &JointEntry| match joint.motion {
+            JointType::Hinge | JointType::Slide => vec![joint.rest],
+            _ => joint.initial.clone(),
+        };
+        let Some(relaxed) = InitialPose::new(table, robot, position) else { return };
+        for &tendon in at_rest {
+            robot.spatial_tendons[tendon].passive.rest = relaxed.path(tendon).0;
+        }
+    }
+
     /// Sets stiffness and damping of joints with `springdamper`, and the damping of servos with `dampratio`.
     pub(crate) fn resolve_damping_ratios(
         &mut self,
@@ -36,7 +61,9 @@ impl Reader<'_> {
         if !depends_on_mass || !self.errors.is_empty() {
             return;
         }
-        let Some(inverse) = inverse_mass_matrix(table, robot) else {
+        let initial = InitialPose::new(table, robot, |joint| joint.initial.clone());
+        let inverse = initial.as_ref().and_then(InitialPose::inverse_mass_matrix);
+        let (Some(initial), Some(inverse)) = (initial, inverse) else {
             let message = "springdamper, dampratio and the scale of muscles need an invertible mass matrix and at \
                            most 1000 degrees of freedom: their springs, dampers and forces are not in the model";
             let root = self.raw_element(crate::tree::Tree::ROOT);
@@ -75,7 +102,7 @@ impl Reader<'_> {
         }
         for &(at, ratio) in &actuators.damping_ratios {
             // J M⁻¹ Jᵀ for the moment row J of the actuator: 1/m of the mass that it moves.
-            let row = moment(robot, table, &first, at);
+            let row = moment(robot, &initial, table, &first, at);
             let admittance: f64 = row
                 .iter()
                 .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
@@ -87,7 +114,7 @@ impl Reader<'_> {
         }
         for &(at, scale) in &actuators.muscle_scales {
             // |M⁻¹ Jᵀ|: the acceleration by a unit force.
-            let row = moment(robot, table, &first, at);
+            let row = moment(robot, &initial, table, &first, at);
             let entry = |i: usize| row.iter().map(|&(j, b)| inverse[(i, j)] * b).sum::<f64>();
             let acceleration = (0..inverse.nrows()).map(|i| entry(i).powi(2)).sum::<f64>().sqrt();
             if let Some(muscle) = &mut robot.actuators[at].muscle {
@@ -99,24 +126,62 @@ impl Reader<'_> {
 
 type Matrix = nalgebra::DMatrix<f64>;
 
-/// M⁻¹ in the pose of the file.
-fn inverse_mass_matrix(table: &ElementTable, robot: &RobotDescription) -> Option<Matrix> {
-    let mut bare = robot.clone();
-    (bare.equalities, bare.actuators, bare.sensors, bare.poses) = Default::default();
-    (bare.shapes, bare.contact_exclusions, bare.frames) = Default::default();
-    bare.contact_pairs.clear();
-    // The base is fixed here. A floating base is added later.
-    let model = Model::new(bare).ok().filter(|model| model.nv() <= DOF_LIMIT)?;
-    let mut q = neutral(&model);
-    for joint in &table.joints {
-        let placed = model.joints().iter().find(|own| own.name == joint.name)?;
-        q[placed.q()].copy_from_slice(&joint.initial);
+/// The robot of the file without its base, constraints and actuators, in one pose.
+struct InitialPose {
+    model: Model,
+    q: Vec<f64>,
+}
+
+impl InitialPose {
+    /// The positions of the joints are those that `position` gives.
+    fn new(
+        table: &ElementTable,
+        robot: &RobotDescription,
+        position: impl Fn(&JointEntry) -> Vec<f64>,
+    ) -> Option<Self> {
+        let mut bare = robot.clone();
+        (bare.equalities, bare.actuators, bare.sensors, bare.poses) = Default::default();
+        (bare.shapes, bare.contact_exclusions) = Default::default();
+        bare.contact_pairs.clear();
+        if bare.spatial_tendons.is_empty() {
+            bare.frames.clear();
+        }
+        // The base is fixed here. A floating base is added later.
+        let model = Model::new(bare).ok()?;
+        let mut q = neutral(&model);
+        for joint in &table.joints {
+            let placed = model.joints().iter().find(|own| own.name == joint.name)?;
+            q[placed.q()].copy_from_slice(&position(joint));
+        }
+        Some(Self { model, q })
     }
-    Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
+
+    fn inverse_mass_matrix(&self) -> Option<Matrix> {
+        if self.model.nv() > DOF_LIMIT {
+            return None;
+        }
+        Some(self.model.mass_matrix(&self.q).ok()?.cholesky()?.inverse())
+    }
+
+    /// The length of a spatial tendon, and its derivatives by the coordinates.
+    fn path(&self, tendon: usize) -> (f64, Vec<f64>) {
+        let mut placement = Placement::new(&self.model);
+        placement.set(&self.model, &mut Workspace::new(&self.model), &self.q);
+        let mut row = vec![0.0; self.model.nv()];
+        let path = TendonPath::new(&self.model, &self.model.description().spatial_tendons[tendon]);
+        let length = path.length_and_row(&self.model, &placement, &mut row);
+        (length, row)
+    }
 }
 
 /// The degrees of freedom that an actuator acts on, each with its gear.
-fn moment(robot: &RobotDescription, table: &ElementTable, first: &[usize], at: usize) -> Vec<(usize, f64)> {
+fn moment(
+    robot: &RobotDescription,
+    initial: &InitialPose,
+    table: &ElementTable,
+    first: &[usize],
+    at: usize,
+) -> Vec<(usize, f64)> {
     use robot_dynamics_description::Transmission::{Frame, Joint, Tendon};
     let index = |name: &str| table.joints.iter().position(|joint| joint.name == name);
     match &robot.actuators[at].transmission {
@@ -124,6 +189,9 @@ fn moment(robot: &RobotDescription, table: &ElementTable, first: &[usize], at: u
             .map(|joint| (first[joint]..first[joint + 1]).zip(*gear).collect())
             .unwrap_or_default(),
         Tendon { tendon, gear } => {
+            if let Some(path) = robot.spatial_tendons.iter().position(|own| own.name == *tendon) {
+                return initial.path(path).1.into_iter().map(|entry| entry * gear).enumerate().collect();
+            }
             let tendon = robot.tendons.iter().find(|own| own.name == *tendon);
             let terms = tendon.map(|tendon| &tendon.terms[..]).unwrap_or_default();
             terms.iter().filter_map(|(joint, c)| Some((first[index(joint)?], c * gear))).collect()

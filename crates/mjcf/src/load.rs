@@ -156,12 +156,13 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.keep_pairs(pairs, &mut robot);
     reader.fluid(&bodies, &masses, &table.links, disabled, &mut robot);
     reader.exclusions(&bodies, &table, &mut robot);
-    reader.tendons(&table, disabled, &mut robot);
+    let at_rest = reader.tendons(&bodies, &table, disabled, &mut robot);
     reader.equalities(&bodies, &table, &mut robot);
     let actuators = reader.actuators(&table, disabled, &mut robot);
     armature_to_joints(&mut robot);
     reader.poses(&table, &actuators, &mut robot);
     reader.sensors(&bodies, &table, &mut robot);
+    reader.resolve_rest_lengths(&table, &at_rest, &mut robot);
     reader.resolve_damping_ratios(&bodies, &table, &actuators, &mut robot);
     drop((bodies, masses, table, actuators));
     reader.list_unread();

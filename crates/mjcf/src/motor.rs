@@ -20,7 +20,7 @@ impl Reader<'_> {
         tendons: &HashMap<String, usize>,
         robot: &mut RobotDescription,
     ) {
-        let armature = self.magnitude(element, "armature").unwrap_or(0.0);
+        let mut armature = self.magnitude(element, "armature").unwrap_or(0.0);
         let damping = if disabled.dampers { [0.0; 3] } else { self.polynomial(element, "damping") };
         if armature == 0.0 && damping == [0.0; 3] {
             return;
@@ -31,8 +31,23 @@ impl Reader<'_> {
                 (own.map(|own| (&mut own.passive, &mut own.higher_terms)), gear[0])
             }
             Transmission::Tendon { tendon, gear } => {
-                let own = tendons.get(tendon).map(|&index| &mut robot.tendons[index]);
-                (own.map(|own| (&mut own.passive, &mut own.higher_terms)), *gear)
+                let over_joints = robot.tendons.len();
+                let target = tendons.get(tendon).map(|&index| match index.checked_sub(over_joints) {
+                    None => {
+                        let own = &mut robot.tendons[index];
+                        (&mut own.passive, &mut own.higher_terms)
+                    }
+                    Some(index) => {
+                        let own = &mut robot.spatial_tendons[index];
+                        (&mut own.passive, &mut own.higher_terms)
+                    }
+                });
+                if armature != 0.0 && tendons.get(tendon).is_some_and(|&index| index >= over_joints) {
+                    let message = "the armature of a motor on a spatial tendon is not in the model";
+                    self.report_ignored_physics(element, message);
+                    armature = 0.0;
+                }
+                (target, *gear)
             }
             Transmission::Frame { .. } => {
                 self.refuse(

@@ -126,7 +126,7 @@ impl Reader<'_> {
                 fits.then(|| joint.name.as_str().into())
             }
             name if name.starts_with("tendon") => {
-                let has = |name: &str| robot.tendons.iter().any(|tendon| tendon.name == name);
+                let has = |name: &str| robot.tendon_names().any(|tendon| tendon == name);
                 self.tendon_or_actuator(element, "tendon", "TENDON", has)
             }
             name if name.starts_with("actuator") => {

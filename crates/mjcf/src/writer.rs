@@ -9,6 +9,7 @@ mod joints;
 mod poses;
 mod sensors;
 mod shapes;
+mod spatial_tendons;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -20,6 +21,7 @@ use robot_dynamics_description::{
 };
 use robot_dynamics_xml::{Writer, excerpt, is_name};
 
+use self::spatial_tendons::TendonGeom;
 use crate::names::Names;
 
 /// The largest number that readers of MJCF accept, written for infinity on the open side of a range.
@@ -52,6 +54,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     let mut writer = MjcfWriter::new(robot, folder);
     writer.check_names();
     writer.plan_sites();
+    writer.plan_tendons();
     writer.xml.start("mujoco").attribute("model", if is_name(&robot.name) { &robot.name } else { "robot" });
     writer.write_settings();
     writer.write_assets();
@@ -90,6 +93,9 @@ struct MjcfWriter<'r> {
     /// The names of the two sites of each connection, and of the site of each link that an actuator acts on.
     connections: HashMap<usize, [String; 2]>,
     link_sites: HashMap<&'r str, String>,
+    /// The geoms of each link that exist only for tendons, and the names of the geoms on each path.
+    tendon_geoms: HashMap<&'r str, Vec<TendonGeom>>,
+    tendon_geom_names: Vec<Vec<String>>,
     /// The shapes of the sites that are zones of sensors.
     zones: HashMap<String, &'r Shape>,
     /// The shapes of each link, with the name of their mesh or height field.
@@ -148,6 +154,8 @@ impl<'r> MjcfWriter<'r> {
             sites: HashMap::new(),
             connections: HashMap::new(),
             link_sites: HashMap::new(),
+            tendon_geoms: HashMap::new(),
+            tendon_geom_names: Vec::new(),
             zones: HashMap::new(),
             shapes: HashMap::new(),
             shape_names: Names::default(),
@@ -174,6 +182,7 @@ impl<'r> MjcfWriter<'r> {
             .chain(robot.joints.iter().map(|joint| named("joint", &joint.name)))
             .chain(robot.frames.iter().map(|frame| named("frame", &frame.name)))
             .chain(robot.tendons.iter().map(|tendon| named("tendon", &tendon.name)))
+            .chain(robot.spatial_tendons.iter().map(|tendon| named("tendon", &tendon.name)))
             .chain(robot.equalities.iter().map(|equality| named("equality", &equality.name)))
             .chain(robot.actuators.iter().map(|actuator| named("actuator", &actuator.name)))
             .chain(robot.sensors.iter().map(|sensor| named("sensor", &sensor.name)))

@@ -65,7 +65,8 @@ impl Robot {
         let (v, a) = (vector(py, self, "v", v)?, vector(py, self, "a", a)?);
         let actuators = forces(py, "actuator_forces", actuator_forces, description.actuators.len())?;
         let limits = forces(py, "joint_limit_forces", joint_limit_forces, self.model.nv())?;
-        let tendons = forces(py, "tendon_limit_forces", tendon_limit_forces, description.tendons.len())?;
+        let tendons =
+            forces(py, "tendon_limit_forces", tendon_limit_forces, description.tendon_names().count())?;
         let mut pushes = Vec::with_capacity(wrenches.len());
         for (link, point, force, moment, normal) in wrenches {
             let link: FrameId = self.frame_of(&link)?;

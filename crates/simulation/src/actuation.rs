@@ -10,7 +10,9 @@ mod coupling;
 mod law;
 mod measurements;
 mod pose_spring;
+mod spatial_tendon;
 mod tendon;
+mod tendon_law;
 mod transmission;
 mod workspace;
 
@@ -22,7 +24,9 @@ use pose_spring::PoseSpring;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_description::{ActuatorDescription, ModelError};
+use spatial_tendon::SpatialTendons;
 use tendon::Tendon;
+use tendon_law::TendonLaw;
 use transmission::Drive;
 
 pub(crate) use coupling::Coupling;
@@ -49,6 +53,8 @@ pub struct Actuation {
     /// The tendons of the description, in its order, then the joints of one degree of freedom with nonlinear
     /// terms.
     tendons: Vec<Tendon>,
+    /// The spatial tendons, if there are any.
+    spatial: Option<SpatialTendons>,
     springs: Vec<PoseSpring>,
     actuators: Vec<(ActuatorDescription, Drive)>,
     weight: Option<CarriedWeight>,
@@ -94,6 +100,7 @@ impl Actuation {
         Ok(Self {
             robot: model.identity.clone(),
             tendons,
+            spatial: SpatialTendons::new(model),
             springs,
             actuators,
             weight: CarriedWeight::new(model)?,
@@ -142,7 +149,13 @@ impl Actuation {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn without_tendon_friction(mut self) -> Self {
-        self.tendons.iter_mut().for_each(Tendon::forget_friction);
+        self.laws_mut().for_each(TendonLaw::forget_friction);
+        self
+    }
+
+    /// Removes the dry friction of tendons over joints alone.
+    pub(crate) fn without_joint_tendon_friction(mut self) -> Self {
+        self.tendons.iter_mut().for_each(|tendon| tendon.law.forget_friction());
         self
     }
 
@@ -164,7 +177,7 @@ impl Actuation {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn without_dissipation(mut self) -> Self {
-        self.tendons.iter_mut().for_each(Tendon::forget_dissipation);
+        self.laws_mut().for_each(TendonLaw::forget_dissipation);
         self.springs.iter_mut().for_each(PoseSpring::forget_dissipation);
         self.without_fluid()
     }
@@ -203,7 +216,7 @@ impl Actuation {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn without_springs(mut self) -> Self {
-        self.tendons.iter_mut().for_each(Tendon::forget_spring);
+        self.laws_mut().for_each(TendonLaw::forget_spring);
         Self { springs: Vec::new(), weight: None, by_actuators: Vec::new(), ..self }
     }
 
@@ -230,13 +243,24 @@ impl Actuation {
 
     /// Whether no such force acts.
     pub fn is_empty(&self) -> bool {
-        let has_springs = !(self.tendons.is_empty() && self.springs.is_empty());
+        let has_springs = !(self.tendons.is_empty() && self.spatial.is_none() && self.springs.is_empty());
         !has_springs && self.actuators.is_empty() && self.weight.is_none() && self.fluid.is_none()
     }
 
     /// Returns memory for the calls, which then do not allocate.
     pub fn workspace(&self) -> ActuationWorkspace {
         let carried = self.weight.as_ref().map(|weight| &weight.model);
-        ActuationWorkspace::new(self.nv, self.actuators.len(), self.tendons.len(), carried)
+        let (spatial, count) = (self.spatial.as_ref(), self.tendon_count());
+        ActuationWorkspace::new(self.nv, self.actuators.len(), count, spatial, carried)
+    }
+
+    /// The number of tendons over joints and along paths.
+    fn tendon_count(&self) -> usize {
+        self.tendons.len() + self.spatial.as_ref().map_or(0, SpatialTendons::count)
+    }
+
+    fn laws_mut(&mut self) -> impl Iterator<Item = &mut TendonLaw> {
+        let over_joints = self.tendons.iter_mut().map(|tendon| &mut tendon.law);
+        over_joints.chain(self.spatial.iter_mut().flat_map(SpatialTendons::laws_mut))
     }
 }

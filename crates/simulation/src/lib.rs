@@ -9,7 +9,7 @@ mod fluid;
 mod actuation;
 
 // The places and motions of bodies in the world.
-mod placement;
+pub(crate) use robot_dynamics_core::kinematics::body_placement as placement;
 
 // Rows of equalities.
 mod equality;

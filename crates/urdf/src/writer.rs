@@ -226,6 +226,12 @@ impl UrdfWriter<'_> {
                 format!("a tendon over joints: {none}"),
             );
         }
+        for tendon in &robot.spatial_tendons {
+            self.add_loss(
+                &format!("tendon {:?}", excerpt(&tendon.name)),
+                format!("a tendon along a path: {none}"),
+            );
+        }
         for equality in &robot.equalities {
             let message = format!("an equality that is not linear between two joints: {none}");
             self.add_loss(&format!("equality {:?}", excerpt(&equality.name)), message);

@@ -4,7 +4,8 @@
 use std::fmt::Write;
 
 use robot_dynamics::description::{
-    Equality, FluidForm, RobotDescription, SensorObject, Shape, ShapeRole, Transmission,
+    Equality, FluidForm, RobotDescription, SensorObject, Shape, ShapeRole, TendonPathElement, TendonSurface,
+    Transmission,
 };
 use robot_dynamics::model::Model;
 use robot_dynamics::text::one_line;
@@ -60,6 +61,20 @@ fn tendons(robot: &RobotDescription) -> String {
         let terms = tendon.terms.iter().map(|(joint, factor)| format!("{}·{joint}", short(*factor)));
         let terms: Vec<String> = terms.collect();
         let line = format!("{}: ℓ = {}", tendon.name, terms.join(" + "));
+        let _ = writeln!(text, "  {}", one_line(&line));
+    }
+    for tendon in &robot.spatial_tendons {
+        let path = tendon.path.iter().map(|element| match element {
+            TendonPathElement::Point { frame } => frame.clone(),
+            TendonPathElement::Surface { link, surface: TendonSurface::Sphere, .. } => {
+                format!("(around a sphere of {link})")
+            }
+            TendonPathElement::Surface { link, surface: TendonSurface::Cylinder, .. } => {
+                format!("(around a cylinder of {link})")
+            }
+            TendonPathElement::Pulley { divisor } => format!("; 1/{} of", short(*divisor)),
+        });
+        let line = format!("{}: {}", tendon.name, path.collect::<Vec<_>>().join(" – "));
         let _ = writeln!(text, "  {}", one_line(&line));
     }
     if text.is_empty() { text } else { format!("Tendons:\n{text}") }

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::names::missing;
 use super::note::EditNote;
 use crate::sensor::ObjectSort;
-use crate::{Equality, ModelError, RobotDescription, SensorObject, Transmission};
+use crate::{Equality, ModelError, RobotDescription, SensorObject, TendonPathElement, Transmission};
 
 /// The names of removed parts.
 #[derive(Default)]
@@ -190,6 +190,16 @@ impl RobotDescription {
             };
             tendons.insert(tendon.name.clone());
             notes.push(note("tendon", &tendon.name, "joint", joint));
+            false
+        });
+        self.spatial_tendons.retain(|tendon| {
+            let is_removed = |name: &&str| links.contains(*name) || frames.contains(*name);
+            let Some(place) = tendon.path.iter().flat_map(TendonPathElement::places).find(is_removed) else {
+                return true;
+            };
+            tendons.insert(tendon.name.clone());
+            let sort = if links.contains(place) { "link" } else { "frame" };
+            notes.push(note("tendon", &tendon.name, sort, place));
             false
         });
         self.equalities.retain(|equality| {

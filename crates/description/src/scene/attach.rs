@@ -179,6 +179,7 @@ impl RobotDescription {
         if own.medium == Medium::default() {
             own.medium = part.medium;
         }
+        own.spatial_tendons.extend(part.spatial_tendons);
         own.equalities.extend(part.equalities);
         own.actuators.extend(part.actuators);
         own.sensors.extend(part.sensors);
@@ -233,11 +234,13 @@ fn names(robot: &RobotDescription) -> [(&'static str, Vec<&str>); 9] {
     fn of<T>(items: &[T], name: impl Fn(&T) -> &str) -> Vec<&str> {
         items.iter().map(name).collect()
     }
+    let tendons =
+        [of(&robot.tendons, |tendon| &tendon.name), of(&robot.spatial_tendons, |tendon| &tendon.name)];
     let places = [of(&robot.links, |link| &link.name), of(&robot.frames, |frame| &frame.name)];
     [
         ("link or frame", places.concat()),
         ("joint", of(&robot.joints, |joint| &joint.name)),
-        ("tendon", of(&robot.tendons, |tendon| &tendon.name)),
+        ("tendon", tendons.concat()),
         ("equality", of(&robot.equalities, |equality| &equality.name)),
         ("actuator", of(&robot.actuators, |actuator| &actuator.name)),
         ("sensor", of(&robot.sensors, |sensor| &sensor.name)),

@@ -6,7 +6,7 @@ use crate::robot::LinkDescription;
 use crate::{
     ActuatorDescription, ContactPairDescription, EndEffectorDescription, Equality, EqualityDescription,
     FluidShape, FrameDescription, GroupDescription, LinkShape, NamedPose, RobotDescription,
-    SensorDescription, SensorObject, TendonDescription,
+    SensorDescription, SensorObject, SpatialTendonDescription, TendonDescription, TendonPathElement,
 };
 
 /// The new name of each object, by its old name.
@@ -50,6 +50,7 @@ impl Renaming<'_> {
             tendons,
             medium: _,
             fluid_shapes,
+            spatial_tendons,
             equalities,
             actuators,
             sensors,
@@ -92,6 +93,10 @@ impl Renaming<'_> {
         }
         for FluidShape { link, link_from_shape: _, form: _ } in fluid_shapes {
             self.link(link);
+        }
+        for SpatialTendonDescription { name, path, .. } in spatial_tendons {
+            self.object(name);
+            path.iter_mut().for_each(|element| self.path_element(element));
         }
         for equality in equalities {
             self.equality(equality);
@@ -144,6 +149,19 @@ impl Renaming<'_> {
         self.link(child);
         if let Some(Mimic { joint, ratio: _, offset: _ }) = mimic {
             self.object(joint);
+        }
+    }
+
+    fn path_element(&self, element: &mut TendonPathElement) {
+        match element {
+            TendonPathElement::Point { frame } => self.link(frame),
+            TendonPathElement::Surface { link, side, link_from_surface: _, surface: _, radius: _ } => {
+                self.link(link);
+                if let Some(side) = side {
+                    self.link(side);
+                }
+            }
+            TendonPathElement::Pulley { divisor: _ } => {}
         }
     }
 

@@ -14,7 +14,7 @@ pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>)
                 gear
             }
             Transmission::Tendon { tendon, gear } => {
-                let found = description.tendons.iter().any(|own| own.name == *tendon);
+                let found = description.tendon_names().any(|own| own == tendon);
                 if !found {
                     return Err(unknown(&owner, "tendon", tendon));
                 }

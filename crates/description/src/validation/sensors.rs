@@ -56,7 +56,7 @@ fn check_object(
             return Err(bad(sensor, "it is of the robot as a whole and has no other object"));
         }
         ObjectSort::Joint | ObjectSort::Ball => ("joint", names.joints.contains_key(name)),
-        ObjectSort::Tendon => ("tendon", description.tendons.iter().any(|own| own.name == *name)),
+        ObjectSort::Tendon => ("tendon", description.tendon_names().any(|own| own == name)),
         ObjectSort::Actuator => ("actuator", description.actuators.iter().any(|own| own.name == *name)),
         ObjectSort::Frame | ObjectSort::Link => ("link", names.links.contains_key(name)),
     };

@@ -1,11 +1,11 @@
 //! Checks of the tendons of a description.
 
-use super::checks::{check, check_terms, index_names};
+use super::checks::{check, check_pose, check_range, check_terms, index_names};
 use super::names::Names;
-use crate::{ModelError, RobotDescription};
+use crate::{ModelError, RobotDescription, SpatialTendonDescription, TendonPathElement};
 
 pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
-    index_names("tendon", description.tendons.iter().map(|tendon| tendon.name.as_str()))?;
+    index_names("tendon", description.tendon_names())?;
     for tendon in &description.tendons {
         let owner = format!("tendon `{}`", tendon.name);
         for (joint, coefficient) in &tendon.terms {
@@ -26,5 +26,55 @@ pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -
         check_terms(&owner, &tendon.higher_terms)?;
         check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")?;
     }
+    for tendon in &description.spatial_tendons {
+        check_spatial(description, names, tendon)?;
+    }
     Ok(())
+}
+
+fn check_spatial(
+    description: &RobotDescription,
+    names: &Names<'_>,
+    tendon: &SpatialTendonDescription,
+) -> Result<(), ModelError> {
+    let owner = format!("tendon `{}`", tendon.name);
+    let frame = |name: &str| match description.frames.iter().any(|own| own.name == name) {
+        true => Ok(()),
+        false => names.link(&owner, name),
+    };
+    SpatialTendonDescription::check_path(&tendon.path)
+        .map_err(|problem| ModelError::TendonPath { tendon: tendon.name.clone(), problem })?;
+    for element in &tendon.path {
+        match element {
+            TendonPathElement::Point { frame: name } => frame(name)?,
+            TendonPathElement::Surface { link, link_from_surface, radius, side, surface: _ } => {
+                names.link(&owner, link)?;
+                side.as_deref().map_or(Ok(()), frame)?;
+                check_pose(&owner, link_from_surface)?;
+                check(radius.is_finite() && *radius > 0.0, &owner, "radius", *radius, "positive and finite")?;
+            }
+            TendonPathElement::Pulley { divisor } => {
+                check(
+                    divisor.is_finite() && *divisor > 0.0,
+                    &owner,
+                    "divisor",
+                    *divisor,
+                    "positive and finite",
+                )?;
+            }
+        }
+    }
+    let passive = &tendon.passive;
+    check(passive.armature == 0.0, &owner, "armature", passive.armature, "zero for a spatial tendon")?;
+    for (value, quantity) in [
+        (passive.damping, "damping"),
+        (passive.friction, "friction"),
+        (passive.stiffness, "stiffness"),
+        (passive.rest, "rest length"),
+    ] {
+        check(value.is_finite(), &owner, quantity, value, "finite")?;
+    }
+    check_terms(&owner, &tendon.higher_terms)?;
+    check_range(&owner, "range of its actuators' force", tendon.actuator_force_range)?;
+    check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")
 }

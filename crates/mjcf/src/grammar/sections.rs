@@ -257,7 +257,10 @@ pub(super) const RULES: &[Rule] = &[
     .physics(&[("adhesion", "0")]),
     read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
     read(&["fixed"], "joint", &["joint", "coef"]),
-    rule(&["tendon"], "spatial", Physics("a spatial tendon is not in the model")),
+    read(&["tendon"], "spatial", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
+    read(&["spatial"], "site", &["site"]),
+    read(&["spatial"], "geom", &["geom", "sidesite"]),
+    read(&["spatial"], "pulley", &["divisor"]),
     read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
     read(
         &["equality"],

@@ -50,7 +50,7 @@ impl MjcfWriter<'_> {
                 let tendon = self.robot.tendons.iter().find(|own| own.name == *tendon);
                 let moves =
                     tendon.is_some_and(|tendon| tendon.terms.iter().any(|(joint, _)| !self.is_locked(joint)));
-                (!moves).then_some("no joint of its tendon moves")
+                (!moves && tendon.is_some()).then_some("no joint of its tendon moves")
             }
             Transmission::Frame { .. } => None,
         }

@@ -185,6 +185,7 @@ impl<'r> MjcfWriter<'r> {
             self.write_shape(shape, asset.as_deref(), is_fixed_to_world);
         }
         self.write_ellipsoids(name);
+        self.write_tendon_geoms(name);
         for (name, place) in self.sites.remove(name).unwrap_or_default() {
             self.xml.start("site").attribute("name", &name);
             self.write_site_shape(&name);

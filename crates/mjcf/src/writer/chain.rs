@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, Transmission};
+use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, TendonPathElement, Transmission};
 
 use super::MjcfWriter;
 
@@ -42,6 +42,8 @@ impl MjcfWriter<'_> {
                 names.push(frame);
             }
         }
+        let paths = robot.spatial_tendons.iter().flat_map(|tendon| &tendon.path);
+        names.extend(paths.flat_map(TendonPathElement::places));
         for sensor in &robot.sensors {
             for object in core::iter::once(&sensor.object).chain(&sensor.reference) {
                 if let SensorObject::Named(name) | SensorObject::CenterOfMass(name) = object {

@@ -1,7 +1,8 @@
 //! Writes `<contact>`, `<tendon>` and `<equality>`.
 
 use robot_dynamics_description::{
-    ContactPairDescription, Equality, EqualityDescription, JointKind, Quaternion,
+    ContactPairDescription, Equality, EqualityDescription, JointKind, PassiveForces,
+    PolynomialStiffnessDamping, Quaternion, TendonSolverImpedance,
 };
 use robot_dynamics_xml::{excerpt, is_name};
 
@@ -73,7 +74,7 @@ impl MjcfWriter<'_> {
 
     pub(super) fn write_tendons(&mut self) {
         let robot = self.robot;
-        if robot.tendons.is_empty() {
+        if robot.tendons.is_empty() && robot.spatial_tendons.is_empty() {
             return;
         }
         self.xml.start("tendon");
@@ -90,20 +91,9 @@ impl MjcfWriter<'_> {
                 self.add_loss(&place, message);
             }
             self.xml.start("fixed").attribute("name", &tendon.name);
-            let passive = &tendon.passive;
-            let higher = &tendon.higher_terms;
-            if passive.stiffness != 0.0 || higher.stiffness != [0.0; 2] {
-                // "−1 −1" has a special meaning.
-                let from = if passive.rest == -1.0 { (-1.0_f64).next_up() } else { passive.rest };
-                self.xml.numbers("springlength", &[from, (from + tendon.dead_band).min(LARGEST_BOUND)]);
-            }
-            self.write_polynomial("stiffness", passive.stiffness, higher.stiffness);
-            self.write_polynomial("damping", passive.damping, higher.damping);
-            self.xml.unless("frictionloss", passive.friction, 0.0).unless("armature", passive.armature, 0.0);
+            self.write_tendon_forces(&tendon.passive, &tendon.higher_terms, tendon.dead_band);
             self.write_range(&place, "range", [tendon.limits.lower, tendon.limits.upper]);
-            self.write_softness("limit", &tendon.softness.limit);
-            self.write_softness("friction", &tendon.softness.friction);
-            self.xml.unless("margin", tendon.softness.margin, 0.0);
+            self.write_tendon_softness(&tendon.softness);
             self.write_range(&place, "actuatorfrcrange", [-tendon.limits.effort, tendon.limits.effort]);
             if tendon.limits.velocity.is_finite() {
                 let message =
@@ -115,7 +105,34 @@ impl MjcfWriter<'_> {
             }
             self.xml.end();
         }
+        let geoms = core::mem::take(&mut self.tendon_geom_names);
+        for (tendon, geoms) in robot.spatial_tendons.iter().zip(geoms) {
+            self.write_spatial_tendon(tendon, geoms);
+        }
         self.xml.end();
+    }
+
+    /// Writes the spring, the damper, friction and armature of a tendon.
+    pub(super) fn write_tendon_forces(
+        &mut self,
+        passive: &PassiveForces,
+        higher: &PolynomialStiffnessDamping,
+        dead_band: f64,
+    ) {
+        if passive.stiffness != 0.0 || higher.stiffness != [0.0; 2] {
+            // "−1 −1" has a special meaning.
+            let from = if passive.rest == -1.0 { (-1.0_f64).next_up() } else { passive.rest };
+            self.xml.numbers("springlength", &[from, (from + dead_band).min(LARGEST_BOUND)]);
+        }
+        self.write_polynomial("stiffness", passive.stiffness, higher.stiffness);
+        self.write_polynomial("damping", passive.damping, higher.damping);
+        self.xml.unless("frictionloss", passive.friction, 0.0).unless("armature", passive.armature, 0.0);
+    }
+
+    pub(super) fn write_tendon_softness(&mut self, softness: &TendonSolverImpedance) {
+        self.write_softness("limit", &softness.limit);
+        self.write_softness("friction", &softness.friction);
+        self.xml.unless("margin", softness.margin, 0.0);
     }
 
     pub(super) fn write_equalities(&mut self) {

@@ -28,7 +28,7 @@ fn whole(text: &str) -> String {
 #[rustfmt::skip]
 pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
     (in_file, "<option><flag equality='disable'/></option>", "flag"),
-    (in_file, "<tendon><spatial name='t'><site site='s'/></spatial></tendon>", r#"spatial "t""#),
+    (in_file, "<tendon><spatial name='t' armature='1'><site site='s'/><site site='s'/></spatial></tendon>", r#"spatial "t""#),
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#),
     (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#),
     (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#),

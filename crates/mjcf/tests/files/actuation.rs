@@ -1,8 +1,11 @@
 //! Compares tendons, equalities, actuators, poses and shapes with MuJoCo.
 
 use robot_dynamics::conventions::{configuration_from_mujoco, velocity_from_mujoco};
-use robot_dynamics::description::{Activation, Equality, JointKind, Shape, ShapeRole, Transmission};
+use robot_dynamics::description::{
+    Activation, Equality, JointKind, Limits, PassiveForces, RobotDescription, Shape, ShapeRole, Transmission,
+};
 use robot_dynamics::model::Model;
+use robot_dynamics::simulation::Actuation;
 use robot_dynamics_mjcf::{LoadOptions, parse};
 use serde_json::Value;
 
@@ -20,41 +23,63 @@ fn range(row: &Value, limited: &str, range: &str) -> [f64; 2] {
     if row[limited] == true { [bounds[0], bounds[1]] } else { UNBOUNDED }
 }
 
+/// The properties of a tendon that both kinds have.
+struct Tendon<'a> {
+    name: &'a str,
+    passive: PassiveForces,
+    dead_band: f64,
+    limits: Limits,
+}
+
+/// The robot's tendons by name.
+fn tendons(robot: &RobotDescription) -> Vec<Tendon<'_>> {
+    let over_joints = robot.tendons.iter().map(|tendon| Tendon {
+        name: &tendon.name,
+        passive: tendon.passive,
+        dead_band: tendon.dead_band,
+        limits: tendon.limits,
+    });
+    let along_paths = robot.spatial_tendons.iter().map(|tendon| Tendon {
+        name: &tendon.name,
+        passive: tendon.passive,
+        dead_band: tendon.dead_band,
+        limits: tendon.limits,
+    });
+    over_joints.chain(along_paths).collect()
+}
+
 #[test]
 fn tendons_are_mujocos() {
     let mut compared = 0;
     for golden in goldens() {
         let robot = &golden.robot.description;
         let model = Model::new(robot.clone()).expect("a robot");
-        assert_eq!(robot.tendons.len(), rows(&golden, "tendons").len(), "{}", golden.file);
-        for (index, (tendon, theirs)) in robot.tendons.iter().zip(rows(&golden, "tendons")).enumerate() {
-            let what = format!("{}: tendon {}", golden.file, tendon.name);
-            assert_eq!(theirs["name"], tendon.name.as_str(), "{what}");
-            let passive = tendon.passive;
-            let own = [passive.stiffness, passive.damping, passive.armature, passive.friction];
+        let actuation = Actuation::new(&model).expect("actuation");
+        let all = tendons(robot);
+        assert_eq!(all.len(), rows(&golden, "tendons").len(), "{}", golden.file);
+        for (index, theirs) in rows(&golden, "tendons").iter().enumerate() {
+            let name = theirs["name"].as_str().expect("a name");
+            let own = all.iter().position(|tendon| tendon.name == name).unwrap_or(index);
+            let Tendon { name, passive, dead_band, limits } = &all[own];
+            let what = format!("{}: tendon {name}", golden.file);
+            let numbers_of = [passive.stiffness, passive.damping, passive.armature, passive.friction];
             let expected =
                 ["stiffness", "damping", "armature", "friction"].map(|name| numbers(&theirs[name])[0]);
-            assert_near(&what, &own, &expected, SUMMED);
-            let spring = [passive.rest, passive.rest + tendon.dead_band];
+            assert_near(&what, &numbers_of, &expected, SUMMED);
+            let spring = [passive.rest, passive.rest + dead_band];
             assert_near(&what, &spring, &numbers(&theirs["spring"]), SUMMED);
-            assert_eq!(
-                [tendon.limits.lower, tendon.limits.upper],
-                range(theirs, "limited", "range"),
-                "{what}"
-            );
+            assert_eq!([limits.lower, limits.upper], range(theirs, "limited", "range"), "{what}");
             for state in rows(&golden, "states") {
                 let (q, _) = Golden::state(&model, state);
-                let place = |name: &str| {
-                    model.joints().iter().find(|joint| joint.name == name).expect("a joint").q_index
-                };
-                let length: f64 = tendon.terms.iter().map(|(joint, c)| c * q[place(joint)]).sum();
+                let (mut lengths, mut rows) = (vec![0.0; all.len()], vec![0.0; all.len() * model.nv()]);
+                actuation.tendon_lengths(&model, &mut actuation.workspace(), &q, &mut lengths, &mut rows);
                 let expected = numbers(&state["tendon_lengths"])[index];
-                assert_near(&what, &[length + tendon.offset], &[expected], SUMMED);
+                assert_near(&what, &[lengths[own]], &[expected], SUMMED);
                 compared += 1;
             }
         }
     }
-    assert!(compared >= 15, "{compared}");
+    assert!(compared >= 36, "{compared}");
 }
 
 /// Compares actuator forces at random states. They follow from this library's force law and MuJoCo's lengths

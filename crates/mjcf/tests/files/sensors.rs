@@ -138,10 +138,10 @@ fn a_resting_body_shows_its_weight() {
 pub(crate) const UNANSWERED: &str =
     "<mujoco><worldbody><body name='b'><joint name='j' type='ball'/><geom name='g' size='0.1'/>
         <site name='s'/></body></worldbody>
-      <tendon><spatial name='t'><site site='s'/><site site='s'/></spatial></tendon>
+      <actuator><motor name='m' body='b'/></actuator>
       <sensor>
       <rangefinder site='s'/>
-      <tendonpos tendon='t'/>
+      <actuatorpos actuator='m'/>
       <jointlimitpos joint='j'/>
       <framequat objtype='body' objname='b'/>
       <gyro site='s'/>

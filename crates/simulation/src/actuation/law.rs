@@ -6,6 +6,7 @@ use robot_dynamics_description::{Activation, check_length};
 
 use super::pose_spring::PoseSpring;
 use super::tendon::Tendon;
+use super::tendon_law::TendonLaw;
 use super::transmission::Drive;
 use super::workspace::ActuationWorkspace;
 use super::{Actuation, Coupling};
@@ -39,7 +40,7 @@ impl Actuation {
         (q, v): (&[f64], &[f64]),
         tau: &mut [f64],
     ) {
-        self.add_tendons(q, v, tau);
+        self.add_tendons(workspace, q, v, tau);
         self.add_weight(workspace, tau);
         if let Some(fluid) = self.fluid_forces(model, workspace, q, v) {
             tau.iter_mut().zip(fluid).for_each(|(tau, fluid)| *tau += fluid);
@@ -62,6 +63,7 @@ impl Actuation {
     ) {
         self.check(model, q, v, tau);
         self.carry(workspace, q);
+        self.place_tendons(workspace, q);
         tau.fill(0.0);
         self.add_passive(model, workspace, (q, v), tau);
     }
@@ -88,7 +90,7 @@ impl Actuation {
         tau.fill(0.0);
         for (k, (_, drive)) in self.actuators.iter().enumerate() {
             let force = workspace.forces[k];
-            drive.spread(model, &self.tendons, &mut workspace.frames, q, force, tau);
+            drive.spread(model, &self.tendons, &mut workspace.transmissions, q, force, tau);
         }
         for &k in &self.by_actuators {
             tau[k] += workspace.weight[k];
@@ -142,7 +144,7 @@ impl Actuation {
     /// As [`forces`](Self::forces).
     #[track_caller]
     pub fn stored_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
-        let springs = self.spring_energy(q);
+        let springs = self.spring_energy(workspace, q);
         match (&self.weight, &mut workspace.carried) {
             (Some(weight), Some(carried)) if self.by_actuators.is_empty() => {
                 springs - potential_energy(&weight.model, carried, q)
@@ -175,10 +177,14 @@ impl Actuation {
         q: &[f64],
         v: &[f64],
     ) -> f64 {
-        let tendons: f64 =
-            self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum();
+        let lost = |tendon: &Tendon| {
+            let rate = tendon.length.rate(v);
+            -tendon.law.dissipative_force(rate) * rate
+        };
+        let tendons: f64 = self.tendons.iter().map(lost).sum();
         let springs: f64 = self.springs.iter().map(|spring| spring.lost_power(q, v, v)).sum();
-        tendons + springs + self.power_into_fluid(model, workspace, (q, v), v)
+        let along_paths = self.power_lost_along_paths(workspace, q, v, v);
+        tendons + springs + along_paths + self.power_into_fluid(model, workspace, (q, v), v)
     }
 
     /// −τ·`mean` of the fluid's forces at (q, v) \[W\].
@@ -221,16 +227,38 @@ impl Actuation {
         Some(fluid.compute(model, memory, q, v))
     }
 
+    /// The power that dampers and friction of spatial tendons dissipate for the forces at `rate` \[W\].
+    fn power_lost_along_paths(
+        &self,
+        workspace: &mut ActuationWorkspace,
+        q: &[f64],
+        rate: &[f64],
+        mean: &[f64],
+    ) -> f64 {
+        self.place_tendons(workspace, q);
+        match (&self.spatial, &workspace.transmissions.spatial) {
+            (Some(spatial), Some(memory)) => spatial.lost_power(memory, rate, mean),
+            _ => 0.0,
+        }
+    }
+
     /// Returns the energy that damping and friction outside the tree, without a fluid, dissipate in h \[J\].
     /// It is their impulse for a displacement of h·`rate` about q, times the mean velocity.
-    pub(crate) fn dissipated_over(&self, h: f64, q: &[f64], rate: &[f64], mean: &[f64]) -> f64 {
+    pub(crate) fn dissipated_over(
+        &self,
+        workspace: &mut ActuationWorkspace,
+        h: f64,
+        q: &[f64],
+        (rate, mean): (&[f64], &[f64]),
+    ) -> f64 {
         let lost = |tendon: &Tendon| {
-            let force = tendon.dissipative_force_at(tendon.length.rate(rate));
+            let force = tendon.law.dissipative_force(tendon.length.rate(rate));
             (-force * tendon.length.rate(mean) * h).max(0.0)
         };
         let tendons: f64 = self.tendons.iter().map(lost).sum();
-        let springs = self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0));
-        tendons + springs.sum::<f64>()
+        let springs: f64 =
+            self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0)).sum();
+        tendons + springs + h * self.power_lost_along_paths(workspace, q, rate, mean)
     }
 
     /// Adds the stiffness and damping of servos and tendons to those of the coordinates. Terms over several
@@ -257,7 +285,7 @@ impl Actuation {
             }
         };
         for tendon in &self.tendons {
-            add(&tendon.length, tendon.gains());
+            add(&tendon.length, tendon.law.gains());
         }
         for (actuator, drive) in &self.actuators {
             let (k, d) = (-actuator.bias.length, -actuator.bias.velocity);
@@ -266,7 +294,7 @@ impl Actuation {
                 Drive::Tendon { index, gear } => {
                     add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
                 }
-                Drive::Dofs { .. } | Drive::Frame { .. } | Drive::Nothing => {}
+                Drive::Dofs { .. } | Drive::SpatialTendon { .. } | Drive::Frame { .. } | Drive::Nothing => {}
             }
         }
     }
@@ -315,9 +343,13 @@ impl Actuation {
     }
 
     /// Adds the forces of tendons and springs without actuators.
-    fn add_tendons(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
-        for tendon in &self.tendons {
-            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
+    fn add_tendons(&self, workspace: &ActuationWorkspace, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        for Tendon { length, law } in &self.tendons {
+            let force = law.spring_force(length.at(q)) + law.dissipative_force(length.rate(v));
+            length.spread(force, tau);
+        }
+        if let (Some(spatial), Some(memory)) = (&self.spatial, &workspace.transmissions.spatial) {
+            spatial.add_passive(memory, v, tau);
         }
         self.springs.iter().for_each(|spring| spring.spread(q, v, tau));
     }
@@ -342,26 +374,49 @@ impl Actuation {
     /// Computes each actuator's f into `workspace.forces`. As in MuJoCo, the bound on a tendon's total force
     /// scales the forces of its actuators first; then each is limited to its own range.
     fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
+        self.place_tendons(workspace, q);
         workspace.on_tendons.fill(0.0);
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
-            let (length, rate) = drive.length_and_rate(model, &self.tendons, &mut workspace.frames, (q, v));
+            let (length, rate) =
+                drive.length_and_rate(model, &self.tendons, &mut workspace.transmissions, (q, v));
             let u = match actuator.activation {
                 Activation::None => within(u[k], actuator.control_range),
                 _ => u[k],
             };
             workspace.forces[k] = actuator.unbounded_force(u, length, rate);
-            if let Drive::Tendon { index, gear } = drive {
-                workspace.on_tendons[*index] += gear * workspace.forces[k];
+            if let Some((tendon, gear)) = self.driven_tendon(drive) {
+                workspace.on_tendons[tendon] += gear * workspace.forces[k];
             }
         }
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
-            if let Drive::Tendon { index, .. } = drive {
-                let (sum, most) = (workspace.on_tendons[*index].abs(), self.tendons[*index].most_force());
-                if sum > most {
-                    workspace.forces[k] *= most / sum;
-                }
+            if let Some((tendon, _)) = self.driven_tendon(drive) {
+                workspace.forces[k] *= self.law(tendon).scale_of(workspace.on_tendons[tendon]);
             }
             workspace.forces[k] = within(workspace.forces[k], actuator.force_range);
+        }
+    }
+
+    /// The number of the tendon that a transmission acts on, those over joints first, and the gear.
+    pub(super) fn driven_tendon(&self, drive: &Drive) -> Option<(usize, f64)> {
+        match drive {
+            Drive::Tendon { index, gear } => Some((*index, *gear)),
+            Drive::SpatialTendon { index, gear } => Some((self.tendons.len() + index, *gear)),
+            _ => None,
+        }
+    }
+
+    /// The law of a tendon by its number.
+    fn law(&self, tendon: usize) -> &TendonLaw {
+        match &self.spatial {
+            Some(spatial) if tendon >= self.tendons.len() => spatial.law(tendon - self.tendons.len()),
+            _ => &self.tendons[tendon].law,
+        }
+    }
+
+    /// Computes the lengths and rows of spatial tendons at q into the workspace.
+    pub(super) fn place_tendons(&self, workspace: &mut ActuationWorkspace, q: &[f64]) {
+        if let (Some(spatial), Some(memory)) = (&self.spatial, &mut workspace.transmissions.spatial) {
+            spatial.place(memory, q);
         }
     }
 

@@ -42,9 +42,10 @@ impl Actuation {
         check_length("tau", tau.len(), model.nv);
         check_length("the forces", forces.len(), self.actuators.len());
         self.carry(workspace, q);
+        self.place_tendons(workspace, q);
         tau.fill(0.0);
         for ((_, drive), &force) in self.actuators.iter().zip(forces) {
-            drive.spread(model, &self.tendons, &mut workspace.frames, q, force, tau);
+            drive.spread(model, &self.tendons, &mut workspace.transmissions, q, force, tau);
         }
         for &k in &self.by_actuators {
             tau[k] += workspace.weight[k];
@@ -52,6 +53,18 @@ impl Actuation {
         for &(k, range) in &self.bounded {
             tau[k] = within(tau[k], range);
         }
+    }
+
+    /// ℓ and ℓ̇ of a spatial tendon by its number among these.
+    pub(crate) fn path_length_and_rate(
+        &self,
+        workspace: &mut ActuationWorkspace,
+        tendon: usize,
+        (q, v): (&[f64], &[f64]),
+    ) -> (f64, f64) {
+        self.place_tendons(workspace, q);
+        let memory = workspace.transmissions.spatial.as_ref();
+        memory.map_or((0.0, 0.0), |memory| (memory.length(tendon), memory.rate(tendon, v)))
     }
 
     /// ℓ and ℓ̇ of an actuator's transmission.
@@ -62,18 +75,79 @@ impl Actuation {
         actuator: usize,
         state: (&[f64], &[f64]),
     ) -> (f64, f64) {
-        self.actuators[actuator].1.length_and_rate(model, &self.tendons, &mut workspace.frames, state)
+        self.place_tendons(workspace, state.0);
+        self.actuators[actuator].1.length_and_rate(model, &self.tendons, &mut workspace.transmissions, state)
     }
 
-    /// The sum of the actuators' forces on a tendon, before their gears.
+    /// Returns ℓ of all tendons \[m or rad\], and their Jacobian ∂ℓ̇/∂v by rows, one row of nv entries a tendon.
+    /// Tendons over joints come first, then spatial tendons, each in the description's order.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{SpatialTendonDescription, TendonPathElement, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// // A cable from the pivot of a pendulum to its tip is always as long as the rod.
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let ends = ["base", "tip"].map(|frame| TendonPathElement::Point { frame: frame.into() });
+    /// robot.spatial_tendons.push(SpatialTendonDescription::new("cable", ends));
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let (mut length, mut jacobian) = ([0.0], [1.0]);
+    /// actuation.tendon_lengths(&model, &mut actuation.workspace(), &[0.7], &mut length, &mut jacobian);
+    /// assert!((length[0] - 0.5).abs() < 1e-15 && jacobian[0].abs() < 1e-15);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a slice has the wrong length, or the model belongs to another robot.
+    #[track_caller]
+    pub fn tendon_lengths(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        q: &[f64],
+        lengths: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        model.check_identity(&self.robot, "the actuation");
+        check_length("q", q.len(), model.nq);
+        let over_joints = model.description().tendons.len();
+        let count = over_joints + model.description().spatial_tendons.len();
+        check_length("the lengths", lengths.len(), count);
+        check_length("the Jacobian", jacobian.len(), count * model.nv);
+        self.place_tendons(workspace, q);
+        jacobian.fill(0.0);
+        for (k, length) in lengths.iter_mut().enumerate() {
+            let row = &mut jacobian[k * model.nv..(k + 1) * model.nv];
+            if k < over_joints {
+                *length = self.tendons[k].length.at(q);
+                self.tendons[k].length.spread(1.0, row);
+            } else if let Some(memory) = &workspace.transmissions.spatial {
+                *length = memory.length(k - over_joints);
+                row.copy_from_slice(memory.row(k - over_joints));
+            }
+        }
+    }
+
+    /// The sum of the actuators' forces on a spatial tendon by its number among these, before their gears.
+    pub(crate) fn force_on_path(&self, tendon: usize, forces: &[f64]) -> f64 {
+        self.force_on_tendon(self.tendons.len() + tendon, forces)
+    }
+
+    /// The sum of the actuators' forces on a tendon by its number, before their gears.
     pub(crate) fn force_on_tendon(&self, tendon: usize, forces: &[f64]) -> f64 {
-        let on_it = |drive: &Drive| matches!(drive, Drive::Tendon { index, .. } if *index == tendon);
+        let on_it = |drive: &Drive| self.driven_tendon(drive).is_some_and(|(index, _)| index == tendon);
         self.actuators.iter().zip(forces).filter(|((_, drive), _)| on_it(drive)).map(|(_, force)| force).sum()
     }
 
     /// The energy of tendons' springs, of springs of ball and floating joints, and of nonlinear terms \[J\].
-    pub(crate) fn spring_energy(&self, q: &[f64]) -> f64 {
-        let tendons: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
-        tendons + self.springs.iter().map(|spring: &PoseSpring| spring.energy(q)).sum::<f64>()
+    pub(crate) fn spring_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
+        let tendons: f64 = self.tendons.iter().map(|tendon| tendon.law.energy(tendon.length.at(q))).sum();
+        self.place_tendons(workspace, q);
+        let along_paths = match (&self.spatial, &workspace.transmissions.spatial) {
+            (Some(spatial), Some(memory)) => spatial.energy(memory),
+            _ => 0.0,
+        };
+        tendons + along_paths + self.springs.iter().map(|spring: &PoseSpring| spring.energy(q)).sum::<f64>()
     }
 }

@@ -4,21 +4,24 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{FrameId, Model, ReferenceFrame, Workspace, frame_jacobian};
-use robot_dynamics_description::{Quaternion, Transmission};
+use robot_dynamics_description::{Quaternion, RobotDescription, Transmission};
 
+use super::spatial_tendon::{SpatialTendonMemory, SpatialTendons};
 use super::tendon::Tendon;
 
-/// Memory for the Jacobians of frames that actuators act on.
+/// Memory for the Jacobians of frames and spatial tendons that actuators act on.
 #[derive(Clone, Debug)]
-pub(super) struct FrameMemory {
+pub(super) struct TransmissionMemory {
+    /// The spatial tendons at the last configuration.
+    pub(super) spatial: Option<SpatialTendonMemory>,
     /// Allocated if there is such a frame.
     dynamics: Option<Workspace>,
     jacobian: Vec<f64>,
 }
 
-impl FrameMemory {
-    pub(super) fn new(nv: usize) -> Self {
-        Self { dynamics: None, jacobian: vec![0.0; 6 * nv] }
+impl TransmissionMemory {
+    pub(super) fn new(nv: usize, spatial: Option<&SpatialTendons>) -> Self {
+        Self { spatial: spatial.map(SpatialTendons::memory), dynamics: None, jacobian: vec![0.0; 6 * nv] }
     }
 
     /// J in the frame, 6×nv.
@@ -38,6 +41,8 @@ pub(super) enum Drive {
     Dofs { q: usize, v: usize, count: usize, chart: Chart, gear: [f64; 6] },
     /// A tendon by its index.
     Tendon { index: usize, gear: f64 },
+    /// A spatial tendon by its index among these.
+    SpatialTendon { index: usize, gear: f64 },
     /// A wrench on a frame.
     Frame { frame: FrameId, gear: [f64; 6] },
     /// A locked joint: no force moves it.
@@ -62,8 +67,14 @@ impl Drive {
                 }
             }
             Transmission::Tendon { tendon, gear } => {
-                let index = model.description.tendons.iter().position(|own| own.name == *tendon);
-                index.map_or(Self::Nothing, |index| Self::Tendon { index, gear: *gear })
+                let RobotDescription { tendons, spatial_tendons, .. } = &model.description;
+                let over_joints = tendons.iter().position(|own| own.name == *tendon);
+                let along_path = spatial_tendons.iter().position(|own| own.name == *tendon);
+                match (over_joints, along_path) {
+                    (Some(index), _) => Self::Tendon { index, gear: *gear },
+                    (None, Some(index)) => Self::SpatialTendon { index, gear: *gear },
+                    (None, None) => Self::Nothing,
+                }
             }
             Transmission::Frame { frame, gear } => {
                 model.frame(frame).map_or(Self::Nothing, |frame| Self::Frame { frame, gear: *gear })
@@ -71,12 +82,12 @@ impl Drive {
         }
     }
 
-    /// ℓ(q) and ℓ̇(q, v).
+    /// ℓ(q) and ℓ̇(q, v). The memory has the spatial tendons at q.
     pub(super) fn length_and_rate(
         &self,
         model: &Model,
         tendons: &[Tendon],
-        frames: &mut FrameMemory,
+        memory: &mut TransmissionMemory,
         (q, v): (&[f64], &[f64]),
     ) -> (f64, f64) {
         match self {
@@ -97,8 +108,12 @@ impl Drive {
                 let length = &tendons[*index].length;
                 (gear * length.at(q), gear * length.rate(v))
             }
+            Self::SpatialTendon { index, gear } => match &memory.spatial {
+                Some(spatial) => (gear * spatial.length(*index), gear * spatial.rate(*index, v)),
+                None => (0.0, 0.0),
+            },
             Self::Frame { frame, gear } => {
-                let (jacobian, nv) = (frames.jacobian(model, q, *frame), v.len());
+                let (jacobian, nv) = (memory.jacobian(model, q, *frame), v.len());
                 let row = |i: usize| -> f64 { (0..nv).map(|k| jacobian[i * nv + k] * v[k]).sum() };
                 (0.0, (0..6).map(|i| gear[i] * row(i)).sum())
             }
@@ -106,12 +121,12 @@ impl Drive {
         }
     }
 
-    /// τ += (∂ℓ̇/∂v)ᵀ f.
+    /// τ += (∂ℓ̇/∂v)ᵀ f. The memory has the spatial tendons at q.
     pub(super) fn spread(
         &self,
         model: &Model,
         tendons: &[Tendon],
-        frames: &mut FrameMemory,
+        memory: &mut TransmissionMemory,
         q: &[f64],
         force: f64,
         tau: &mut [f64],
@@ -124,8 +139,13 @@ impl Drive {
                 }
             }
             Self::Tendon { index, gear } => tendons[*index].length.spread(gear * force, tau),
+            Self::SpatialTendon { index, gear } => {
+                if let Some(spatial) = &memory.spatial {
+                    spatial.spread(*index, gear * force, tau);
+                }
+            }
             Self::Frame { frame, gear } => {
-                let (jacobian, nv) = (frames.jacobian(model, q, *frame), tau.len());
+                let (jacobian, nv) = (memory.jacobian(model, q, *frame), tau.len());
                 for k in 0..nv {
                     tau[k] += force * (0..6).map(|i| gear[i] * jacobian[i * nv + k]).sum::<f64>();
                 }

@@ -2,13 +2,14 @@
 
 use robot_dynamics_core::{Model, Workspace};
 
-use super::transmission::FrameMemory;
+use super::spatial_tendon::SpatialTendons;
+use super::transmission::TransmissionMemory;
 use crate::FluidWorkspace;
 
 /// The memory of [`Actuation`](super::Actuation)'s calls.
 #[derive(Clone, Debug)]
 pub struct ActuationWorkspace {
-    pub(super) frames: FrameMemory,
+    pub(super) transmissions: TransmissionMemory,
     /// The workspace of the robot with the carried masses.
     pub(super) carried: Option<Workspace>,
     pub(super) weight: Vec<f64>,
@@ -22,9 +23,15 @@ pub struct ActuationWorkspace {
 impl ActuationWorkspace {
     /// For this many degrees of freedom, actuators and tendons; `carried` is the robot with the carried
     /// masses.
-    pub(super) fn new(nv: usize, actuators: usize, tendons: usize, carried: Option<&Model>) -> Self {
+    pub(super) fn new(
+        nv: usize,
+        actuators: usize,
+        tendons: usize,
+        spatial: Option<&SpatialTendons>,
+        carried: Option<&Model>,
+    ) -> Self {
         Self {
-            frames: FrameMemory::new(nv),
+            transmissions: TransmissionMemory::new(nv, spatial),
             carried: carried.map(Workspace::new),
             weight: vec![0.0; nv],
             forces: vec![0.0; actuators],

@@ -242,7 +242,7 @@ impl ImplicitIntegrator {
         self.factor.couple(self.joints.couplings());
         self.components.unite(self.joints.couplings().iter().map(|coupling| &coupling.row[..]));
         self.resize_trees();
-        let actuation = actuation.clone().without_tendon_friction();
+        let actuation = actuation.clone().without_joint_tendon_friction();
         let drive = StepActuation::new(self.memory.force.len(), &actuation, controls);
         self.drive = Some(drive.with_fluid_counted_apart());
         self

@@ -165,7 +165,7 @@ pub fn record(
         driven.copy_from_slice(torques);
         actuation.add_unstored(workspace, driven);
         work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
-        last.damping += actuation.dissipated_over(h, middle, way, mean);
+        last.damping += actuation.dissipated_over(workspace, h, middle, (way, mean));
         if !*is_fluid_counted {
             last.damping += h * actuation.power_into_fluid(model, workspace, (middle, way), mean);
         }

@@ -68,7 +68,7 @@ impl SensorSet {
         for (what, forces, count) in [
             ("the actuators' forces", actuator_forces, model.description.actuators.len()),
             ("the limits' forces", joint_limit_forces, model.nv),
-            ("the forces of tendons' limits", tendon_limit_forces, model.description.tendons.len()),
+            ("the forces of tendons' limits", tendon_limit_forces, model.description.tendon_names().count()),
         ] {
             if !forces.is_empty() {
                 check_length(what, forces.len(), count);
@@ -122,7 +122,7 @@ impl SensorSet {
                 out[0] = match sensor.kind {
                     SensorKind::KineticEnergy => kinetic,
                     SensorKind::PotentialEnergy => {
-                        potential + self.fixed_energy + self.actuation.spring_energy(q)
+                        potential + self.fixed_energy + self.actuation.spring_energy(&mut memory.actuation, q)
                     }
                     _ => time,
                 };
@@ -152,6 +152,24 @@ impl SensorSet {
                         side_of_limit(position, *limits) * force_of(inputs.joint_limit_forces)
                     }
                     _ => side_of_limit(position, *limits) * force_of(inputs.tendon_limit_forces),
+                };
+            }
+            Reading::SpatialTendon { index, limits, margin } => {
+                let state = (q, v);
+                let (length, rate) =
+                    self.actuation.path_length_and_rate(&mut memory.actuation, *index, state);
+                let limited = nearest_limit(length, *limits, *margin);
+                out[0] = match sensor.kind {
+                    SensorKind::TendonPosition => length,
+                    SensorKind::TendonVelocity => rate,
+                    SensorKind::TendonActuatorForce => self.actuation.force_on_path(*index, actuator_forces),
+                    SensorKind::TendonLimitPosition => limited.map_or(0.0, |(distance, _)| distance),
+                    SensorKind::TendonLimitVelocity => limited.map_or(0.0, |(_, side)| side * rate),
+                    _ => {
+                        let number = model.description.tendons.len() + index;
+                        let force = inputs.tendon_limit_forces.get(number).copied().unwrap_or(0.0);
+                        side_of_limit(length, *limits) * force
+                    }
                 };
             }
             Reading::Ball { q: at, v: first } => match sensor.kind {

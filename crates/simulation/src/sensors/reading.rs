@@ -5,7 +5,9 @@ use core::ops::Range;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::configuration::manifold::{CoordinateRange, coordinate_ranges};
 use robot_dynamics_core::{Frame, Model};
-use robot_dynamics_description::{Pose, SensorDescription, SensorKind, SensorObject};
+use robot_dynamics_description::{
+    Pose, SensorDescription, SensorKind, SensorObject, SpatialTendonDescription,
+};
 
 use super::zone::Zone;
 
@@ -40,6 +42,12 @@ pub(super) enum Reading {
         limits: [f64; 2],
         margin: f64,
         index: usize,
+    },
+    /// A spatial tendon by its number among these, with its limits.
+    SpatialTendon {
+        index: usize,
+        limits: [f64; 2],
+        margin: f64,
     },
     /// First entries in q and v.
     Ball {
@@ -118,6 +126,12 @@ impl Reading {
                 Self::Ball { q, v }
             }
             ObjectSort::Tendon => {
+                let spatial = &description.spatial_tendons;
+                if let Some(index) = spatial.iter().position(|tendon| tendon.name == name) {
+                    let SpatialTendonDescription { limits, softness, .. } = &spatial[index];
+                    let (limits, margin) = ([limits.lower, limits.upper], softness.margin);
+                    return Self::SpatialTendon { index, limits, margin };
+                }
                 let index = description.tendons.iter().position(|tendon| tendon.name == name).unwrap_or(0);
                 let tendon = &description.tendons[index];
                 let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));

@@ -1,6 +1,7 @@
 //! The effects that act, and the method that they require.
 
 use robot_dynamics_core::{Model, Workspace, inverse_mass_matrix, neutral};
+use robot_dynamics_description::RobotDescription;
 use robot_dynamics_integrators::Integrator;
 
 use super::method::{SimulationStepper, StepperKind};
@@ -16,6 +17,8 @@ const STIFF: f64 = 0.5;
 pub(super) struct Kinds {
     friction: bool,
     limits: bool,
+    /// Limits of the lengths of spatial tendons.
+    path_limits: bool,
     contacts: bool,
     equalities: bool,
     actuators: bool,
@@ -36,19 +39,22 @@ impl Kinds {
         actuation: Option<&Actuation>,
     ) -> Self {
         let model = &*builder.model;
-        let tendons = &model.description().tendons;
+        let RobotDescription { tendons, spatial_tendons: paths, .. } = model.description();
         let dissipates = builder.acts(Effect::Dissipation);
         let has_friction = model.dofs.iter().any(|dof| dof.passive.friction != 0.0)
-            || tendons.iter().any(|tendon| tendon.passive.friction != 0.0);
+            || tendons.iter().any(|tendon| tendon.passive.friction != 0.0)
+            || paths.iter().any(|tendon| tendon.passive.friction != 0.0);
         let is_bound = |limits: &robot_dynamics_description::Limits| {
             limits.lower.is_finite() || limits.upper.is_finite()
         };
         let has_limits = model.joints().iter().any(|joint| joint.nv > 0 && is_bound(&joint.limits))
             || tendons.iter().any(|tendon| is_bound(&tendon.limits));
+        let has_path_limits = paths.iter().any(|tendon| is_bound(&tendon.limits));
         let actuators = actuation.is_some_and(|actuation| actuation.control_count() > 0);
         Self {
             friction: dissipates && has_friction,
             limits: builder.acts(Effect::Limits) && has_limits,
+            path_limits: builder.acts(Effect::Limits) && has_path_limits,
             contacts,
             equalities,
             actuators,
@@ -57,7 +63,8 @@ impl Kinds {
             dissipates,
             losses: has_friction
                 || has_damping(model)
-                || tendons.iter().any(|tendon| tendon.passive.damping != 0.0),
+                || tendons.iter().any(|tendon| tendon.passive.damping != 0.0)
+                || paths.iter().any(|tendon| tendon.passive.damping != 0.0),
             link_contacts,
             stiffest: stiffest(model, actuation, dissipates, builder.dt),
         }
@@ -86,12 +93,13 @@ impl Kinds {
     /// The effects that act with this stepper.
     pub(super) fn acting(&self, stepper: &SimulationStepper, effort: Option<&[f64]>) -> Vec<Effect> {
         let holds_all = matches!(stepper.kind, StepperKind::Implicit(_) | StepperKind::Mujoco(_));
+        let is_mujoco = matches!(stepper.kind, StepperKind::Mujoco(_));
         let drives = stepper.drives();
         let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
         let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
         let all = [
             (Effect::Dissipation, self.dissipates && self.losses || drives && self.fluid),
-            (Effect::Limits, holds_all && self.limits),
+            (Effect::Limits, holds_all && self.limits || is_mujoco && self.path_limits),
             (Effect::EffortLimits, is_limited),
             (Effect::Springs, drives && self.springs),
             (Effect::Actuators, drives && self.actuators),
@@ -112,6 +120,16 @@ impl Kinds {
     #[cfg(feature = "adaptive")]
     pub(super) fn without_dissipation(self) -> Self {
         Self { dissipates: false, friction: false, fluid: false, ..self }
+    }
+
+    /// Lists the limits of spatial tendons, which MuJoCo's law alone supports.
+    pub(super) fn list_path_limits(&self, method: Method, left_out: &mut Vec<String>) {
+        if self.path_limits && method != Method::Mujoco {
+            let name = method.name();
+            left_out.push(format!(
+                "length limits of spatial tendons: `{name}` does not know them, `mujoco` does"
+            ));
+        }
     }
 
     /// Lists the effects that adaptive steps do not support.

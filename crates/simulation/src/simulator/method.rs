@@ -240,7 +240,7 @@ impl SimulationStepper {
     /// The generalized forces of position limits and the forces of tendon limits in the last step \[N·m or
     /// N\]. They are zero if the method has no limits.
     pub(super) fn limit_forces(&self, model: &Model) -> [Vec<f64>; 2] {
-        let mut forces = [vec![0.0; model.nv], vec![0.0; model.description.tendons.len()]];
+        let mut forces = [vec![0.0; model.nv], vec![0.0; model.description.tendon_names().count()]];
         let [coordinates, tendons] = &mut forces;
         match &self.kind {
             StepperKind::Implicit(stepper) => stepper.add_limit_forces(coordinates, tendons),

@@ -140,7 +140,7 @@ impl Robot {
             ignored,
             ignored_physics,
             equalities: description.equalities.iter().filter(|equality| equality.active).count(),
-            tendons: description.tendons.len(),
+            tendons: description.tendon_names().count(),
             actuators: description.actuators.len(),
         }
     }

@@ -39,6 +39,7 @@ impl JointRows {
         self.add_turn_rows((q, h), &mut active, &mut rows);
         self.add_tendon_rows((q, h), &mut active, &mut rows);
         self.add_equality_rows((q, h), &mut rows);
+        self.add_path_rows(bodies, state, &mut active, &mut rows);
         let RowBuilder { problem, asked } = rows;
         for connection in &self.connections {
             connection.add(bodies, state, problem, asked);
@@ -121,6 +122,45 @@ impl JointRows {
                 response.damping,
                 response.spring,
             ));
+        }
+    }
+
+    /// Adds dry friction and limits of spatial tendons.
+    fn add_path_rows(
+        &self,
+        bodies: &Bodies,
+        state: &StepState<'_>,
+        active: &mut ActiveLimits<'_>,
+        rows: &mut RowBuilder<'_>,
+    ) {
+        let (h, nv) = (state.h, state.v.len());
+        let mut number = self.limits.len() + self.turns.len() + self.tendons.len();
+        for path in &self.paths {
+            let mut row = vec![0.0; nv];
+            let length = path.path.length_and_row(state.model, &bodies.placement, &mut row);
+            let derivatives: Vec<(usize, f64)> = path.support.iter().map(|&k| (k, row[k])).collect();
+            if path.most > 0.0 && state.dissipates {
+                let response = Response::new(&path.softness.friction, h, 0.0);
+                let set = Set::Interval(-path.most, path.most);
+                let row = rows.problem.push_row(set, 1.0, &derivatives);
+                rows.problem.soften(response.softness(path.weight));
+                rows.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
+            }
+            for &(bound, sign) in &path.bounds {
+                let distance = sign * (length - bound) - path.softness.margin;
+                if active.admits(number, distance < 0.0) {
+                    let response = Response::new(&path.softness.limit, h, distance);
+                    let row = rows.problem.push_row(HALF_LINE, sign, &derivatives);
+                    rows.problem.soften(response.softness(path.weight));
+                    rows.asked.push(RowReference::new(
+                        RowOrigin::TendonLimit(path.number, sign),
+                        row,
+                        response.damping,
+                        response.spring,
+                    ));
+                }
+                number += 1;
+            }
         }
     }
 

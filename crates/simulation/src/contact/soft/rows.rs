@@ -6,6 +6,7 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::sparse::{coordinate_parents, dof_ancestors};
+use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_description::{
     Equality, JointKind, JointSolverImpedance, SolverImpedance, TendonSolverImpedance,
 };
@@ -22,6 +23,7 @@ clone_in_place! {
         pub(super) limits: Vec<Limit>,
         pub(super) turns: Vec<BallLimit>,
         pub(super) tendons: Vec<TendonLimit>,
+        pub(super) paths: Vec<PathRows>,
         pub(super) equalities: Vec<PolynomialEquality>,
         pub(super) connections: Vec<Connection>,
         /// Whether the coordinates of each row lie on one path to the root.
@@ -78,6 +80,22 @@ pub(super) struct TendonLimit {
     pub(super) weight: f64,
 }
 
+/// The dry friction and the limits of a spatial tendon.
+#[derive(Clone, Debug)]
+pub(super) struct PathRows {
+    /// The index among all tendons, those over joints first.
+    pub(super) number: usize,
+    pub(super) path: TendonPath,
+    /// The coordinates that may change the length, in increasing order.
+    pub(super) support: Vec<usize>,
+    /// Dry friction \[N\].
+    pub(super) most: f64,
+    /// The bounds of the length, each with the sign of sign·(ℓ − bound) ≥ 0.
+    pub(super) bounds: Vec<(f64, f64)>,
+    pub(super) softness: TendonSolverImpedance,
+    pub(super) weight: f64,
+}
+
 /// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
 #[derive(Clone, Debug)]
 pub(super) struct PolynomialEquality {
@@ -100,6 +118,7 @@ impl JointRows {
             limits: Vec::new(),
             turns: Vec::new(),
             tendons: Vec::new(),
+            paths: Vec::new(),
             equalities: Vec::new(),
             connections: Vec::new(),
             keeps_tree: true,
@@ -107,6 +126,7 @@ impl JointRows {
         rows.add_degrees_of_freedom(model, weights, of);
         rows.add_ball_joints(model, weights, of);
         rows.add_tendons(model, weights);
+        rows.add_paths(model, weights);
         rows.add_equalities(model, weights);
         rows.keeps_tree &= rows.equalities.is_empty() && rows.connections.is_empty();
         rows
@@ -202,6 +222,35 @@ impl JointRows {
                     self.connections.push(Connection { frames, is_weld, softness, weights });
                 }
             }
+        }
+    }
+
+    fn add_paths(&mut self, model: &Model, weights: &InverseWeights) {
+        let dof_parent = coordinate_parents(model);
+        let first = model.description().tendons.len();
+        for (at, tendon) in model.description().spatial_tendons.iter().enumerate() {
+            let bounds: Vec<(f64, f64)> = [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)]
+                .into_iter()
+                .filter(|(bound, _)| bound.is_finite())
+                .collect();
+            let path = TendonPath::new(model, tendon);
+            let support = path.coordinates(model);
+            let Some((last, others)) = support.split_last() else { continue };
+            let most = tendon.passive.friction;
+            if bounds.is_empty() && most <= 0.0 {
+                continue;
+            }
+            self.keeps_tree &= others.iter().all(|k| dof_ancestors(&dof_parent, *last).any(|i| i == *k));
+            let (number, weight) = (first + at, weights.tendons[first + at]);
+            self.paths.push(PathRows {
+                number,
+                path,
+                support,
+                most,
+                bounds,
+                softness: tendon.softness,
+                weight,
+            });
         }
     }
 

@@ -7,8 +7,9 @@ use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::joint::Chart;
+use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
-use robot_dynamics_description::JointDescription;
+use robot_dynamics_description::{JointDescription, RobotDescription};
 use robot_dynamics_integrators::IntegratorError;
 
 use super::point_rows::tendon_length;
@@ -99,7 +100,13 @@ impl InverseWeights {
             tendon_length(model, tendon).spread(1.0, &mut row);
             weigh(&row)
         };
-        let tendons = model.description().tendons.iter().map(of_tendon).collect();
+        let of_path = |tendon| {
+            let mut row = vec![0.0; n];
+            TendonPath::new(model, tendon).length_and_row(model, &placement, &mut row);
+            weigh(&row)
+        };
+        let RobotDescription { tendons, spatial_tendons, .. } = model.description();
+        let tendons = tendons.iter().map(of_tendon).chain(spatial_tendons.iter().map(of_path)).collect();
         Ok(Self { frames, coordinates, tendons })
     }
 }
@@ -132,7 +139,9 @@ fn weighed_by_mass(model: &Model) -> HashMap<&str, (f64, Vec<usize>)> {
 
 /// Each joint at the position of its file.
 fn reference_pose(model: &Model) -> Vec<f64> {
-    let mut q = neutral(model);
+    // The weights of spatial tendons depend on where free bodies are.
+    let of_file = model.named_pose("qpos0").filter(|_| !model.description().spatial_tendons.is_empty());
+    let mut q = of_file.map_or_else(|| neutral(model), |(q, _)| q);
     for joint in model.joints().iter().filter(|joint| joint.nv == 1) {
         let described = model.description().joints.iter().find(|own| own.name == joint.name);
         if let Some(described) = described.filter(|own| own.mimic.is_none()) {

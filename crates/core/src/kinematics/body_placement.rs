@@ -1,35 +1,35 @@
 //! The pose of each body, and its motion by each degree of freedom, in the world.
 
+use crate::clone_in_place::clone_in_place;
+use crate::kinematics::placement::place_all_in_world;
+use crate::model::{Dof, WORLD};
+use crate::spatial::transform::Transform;
+use crate::workspace::compiled_once::{compiled_once, run};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
+use crate::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_core::clone_in_place::clone_in_place;
-use robot_dynamics_core::kinematics::placement::place_all_in_world;
-use robot_dynamics_core::model::{Dof, WORLD};
-use robot_dynamics_core::spatial::transform::Transform;
-use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
-use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
-use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 /// A velocity and ω, or a force and its moment.
-pub(crate) type Twist = [Vector3<f64>; 2];
+pub type Twist = [Vector3<f64>; 2];
 
 /// The motion of a body's origin in world axes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct BodyMotion {
-    pub(crate) velocity: Vector3<f64>,
+pub struct BodyMotion {
+    pub velocity: Vector3<f64>,
     /// ω.
-    pub(crate) spin: Vector3<f64>,
-    pub(crate) acceleration: Vector3<f64>,
+    pub spin: Vector3<f64>,
+    pub acceleration: Vector3<f64>,
     /// ω̇.
-    pub(crate) spin_rate: Vector3<f64>,
+    pub spin_rate: Vector3<f64>,
 }
 
 clone_in_place! {
     /// The bodies in one configuration.
     #[derive(Debug)]
-    pub(crate) struct Placement {
+    pub struct Placement {
         /// `world_from_body`: R by rows, then p.
         bodies: Vec<[f64; 12]>,
         /// The velocity of the body's origin, and ω, for each degree of freedom of the tree.
@@ -40,7 +40,7 @@ clone_in_place! {
 }
 
 impl Placement {
-    pub(crate) fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let bodies = model.bodies.len();
         Self {
             bodies: vec![[0.0; 12]; bodies],
@@ -50,19 +50,19 @@ impl Placement {
     }
 
     /// Computes the placement at q.
-    pub(crate) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+    pub fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
         self.q.copy_from_slice(q);
         let Self { bodies, columns, .. } = self;
         run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
     }
 
     /// Whether this is the placement at q.
-    pub(crate) fn is_at(&self, q: &[f64]) -> bool {
+    pub fn is_at(&self, q: &[f64]) -> bool {
         self.q == q
     }
 
     /// R and p of a body, or of the world.
-    pub(crate) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
+    pub fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
         if body == WORLD {
             return (Matrix3::identity(), Vector3::zeros());
         }
@@ -72,7 +72,7 @@ impl Placement {
 
     /// Rᵀn of a body, and n·p: a direction in the body's axes, and the distance of its origin along it.
     #[inline]
-    pub(crate) fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    pub fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         if body == WORLD {
             return (*n, 0.0);
         }
@@ -84,7 +84,7 @@ impl Placement {
     /// Calls `visit` with each degree of freedom that moves a body, from its own last one to the root's
     /// first. The other arguments are the velocity of a point of the body and ω per unit rate.
     #[inline]
-    pub(crate) fn each_motion(
+    pub fn each_motion(
         &self,
         model: &Model,
         body: usize,
@@ -96,7 +96,7 @@ impl Placement {
 
     /// The same, up to a body that carries it, without that body's own degrees of freedom.
     #[inline]
-    pub(crate) fn each_motion_on(
+    pub fn each_motion_on(
         &self,
         model: &Model,
         [body, carrier]: [usize; 2],
@@ -114,7 +114,7 @@ impl Placement {
     }
 
     /// The velocity of each body's origin, and ω.
-    pub(crate) fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
+    pub fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
         to.clear();
         for (i, body) in model.bodies.iter().enumerate() {
             let [mut velocity, mut spin] = [Vector3::zeros(); 2];
@@ -132,7 +132,7 @@ impl Placement {
     }
 
     /// The motion of each body at v̇ = 0.
-    pub(crate) fn motions(&self, model: &Model, v: &[f64]) -> Vec<BodyMotion> {
+    pub fn motions(&self, model: &Model, v: &[f64]) -> Vec<BodyMotion> {
         let mut motions: Vec<BodyMotion> = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
             let carrier = if body.parent == WORLD { BodyMotion::default() } else { motions[body.parent] };
@@ -166,7 +166,7 @@ impl Placement {
 
     /// Adds to `forces` the generalized forces of a force on each body, with its moment about the world's
     /// origin. They are passed on to the bodies that carry the bodies.
-    pub(crate) fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
+    pub fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
         for i in (0..wrenches.len()).rev() {
             let [force, moment] = wrenches[i];
             let about = moment - self.origin(i).cross(&force);
@@ -182,7 +182,7 @@ impl Placement {
     }
 
     /// The origin of a body's frame.
-    pub(crate) fn origin(&self, body: usize) -> Vector3<f64> {
+    pub fn origin(&self, body: usize) -> Vector3<f64> {
         let [.., x, y, z] = self.bodies[body];
         Vector3::new(x, y, z)
     }
@@ -204,7 +204,7 @@ impl Placement {
 }
 
 /// The arguments of [`Placement::set`].
-pub(crate) struct PlacedBodies<'a, S> {
+pub struct PlacedBodies<'a, S> {
     model: &'a Model,
     q: &'a [S],
     bodies: &'a mut [[S; 12]],
