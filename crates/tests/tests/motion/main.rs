@@ -27,5 +27,6 @@ mod long_chains;
 mod pullback;
 mod simulation;
 mod soft_law;
+mod spatial_tendons;
 mod tendon_stops;
 mod tree_integrators;
