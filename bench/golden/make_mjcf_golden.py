@@ -30,8 +30,8 @@ import golden_file  # noqa: E402
 
 OUT = environment.ROOT / "testdata" / "mjcf" / "golden.json"
 STATES = 3
-# Duration and step of the motion, and the step with a free body or a muscle [s]. The coordinates of free bodies
-# and the integration of muscles' activations, and so their errors, differ from this library's.
+# Duration and step of the motion, and the step with a free body or a muscle [s]. The coordinates of free
+# bodies and the integration of muscles' activations, and so their errors, differ from this library's.
 DURATION, STEP, SHORT_STEP = 1.0, 0.001, 0.0002
 
 

@@ -101,8 +101,9 @@ impl MuscleActivation {
         }
     }
 
-    /// With e = c − u, k = ½ + 3/2 c and y = ln(e₀/e), the solution of ė = −e/(k − 3/2 e) is k y − 3/2 e₀ (1 − e⁻ʸ)
-    /// = t. The left side is convex with a slope of at least ½, so Newton's method converges from above.
+    /// With e = c − u, k = ½ + 3/2 c and y = ln(e₀/e), the solution of ė = −e/(k − 3/2 e) is k y − 3/2 e₀ (1
+    /// − e⁻ʸ) = t. The left side is convex with a slope of at least ½, so Newton's method converges from
+    /// above.
     fn risen(&self, t: f64, control: f64, u: f64) -> f64 {
         let (k, gap) = (0.5 + 1.5 * control, control - u);
         let mut y = 2.0 * t;

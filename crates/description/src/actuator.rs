@@ -113,7 +113,8 @@ fn is_unbounded(range: &[f64; 2]) -> bool {
     *range == unbounded()
 }
 
-/// Muscle and activation range appear only if they act, because the fingerprint of a robot is made of this text.
+/// Muscle and activation range appear only if they act, because the fingerprint of a robot is made of this
+/// text.
 impl fmt::Debug for ActuatorDescription {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {

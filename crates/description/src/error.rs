@@ -48,7 +48,7 @@ pub enum ModelError {
     TendonPath {
         /// The tendon.
         tendon: String,
-        /// What is wrong.
+        /// The fault and its remedy.
         problem: &'static str,
     },
     /// A joint, frame or mimic joint refers to an unknown name.

@@ -35,7 +35,8 @@ pub fn fingerprint(description: &RobotDescription) -> u64 {
     } = description;
     let motion = (name, gravity, base, links, joints, frames);
     let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
-    // Without spatial tendons or a list of actuated joints nothing is hashed, so that such robots keep their fingerprints.
+    // Without spatial tendons or a list of actuated joints nothing is hashed, so that such robots keep their
+    // fingerprints.
     let paths = if spatial_tendons.is_empty() { Ok(()) } else { write!(hash, "{spatial_tendons:?}") };
     let chosen = actuated_joints.as_ref().map_or(Ok(()), |joints| write!(hash, "{joints:?}"));
     // Likewise for robots without a fluid.

@@ -185,8 +185,8 @@ pub struct PassiveForces {
 }
 
 impl PassiveForces {
-    /// The stretch (positive) or compression (negative) at a position of a spring with a dead band from `rest` to
-    /// `rest` + `dead_band`.
+    /// The stretch (positive) or compression (negative) at a position of a spring with a dead band from
+    /// `rest` to `rest` + `dead_band`.
     ///
     /// ```
     /// let spring = robot_dynamics::description::PassiveForces::default().with_spring(10.0, 0.1);

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// The force of a muscle, f = −F₀ (F_L(L) F_V(V) a + F_P(L)), which pulls. a is its activation, from 0 to 1.
 ///
-/// L = range₀ + (ℓ − ℓ₀)/L₀ is the length in units of the optimal length L₀ = (ℓ₁ − ℓ₀)/(range₁ − range₀), and
-/// V = ℓ̇/(L₀ v_max). F_L is 1 at L = 1 and 0 outside `active_range`. F_V is 1 at rest, 0 for V ≤ −1 and
+/// L = range₀ + (ℓ − ℓ₀)/L₀ is the length in units of the optimal length L₀ = (ℓ₁ − ℓ₀)/(range₁ − range₀),
+/// and V = ℓ̇/(L₀ v_max). F_L is 1 at L = 1 and 0 outside `active_range`. F_V is 1 at rest, 0 for V ≤ −1 and
 /// `lengthening_force` for fast lengthening. F_P rises above L = 1. These are the curves of MuJoCo's muscles
 /// **(MuJoCo documentation, Modeling, Muscles)**.
 #[derive(Clone, Copy, Debug, PartialEq)]

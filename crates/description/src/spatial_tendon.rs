@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Limits, PassiveForces, PolynomialStiffnessDamping, Pose, TendonSolverImpedance};
 
-/// A tendon along the shortest path through points of links and around spheres and cylinders, such as a cable,
-/// a belt or a muscle's tendon.
+/// A tendon along the shortest path through points of links and around spheres and cylinders, such as a
+/// cable, a belt or a muscle's tendon.
 ///
-/// Its length ℓ(q) is that of the path, each branch divided by its divisor. Its force is that of a joint with the
-/// position ℓ, −stiffness·(ℓ − rest) − damping·ℓ̇ − friction·sign ℓ̇, and acts by ∂ℓ/∂q. It has no armature.
+/// Its length ℓ(q) is that of the path, each branch divided by its divisor. Its force is that of a joint with
+/// the position ℓ, −stiffness·(ℓ − rest) − damping·ℓ̇ − friction·sign ℓ̇, and acts by ∂ℓ/∂q. It has no
+/// armature.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
@@ -53,8 +54,8 @@ pub enum TendonPathElement {
         surface: TendonSurface,
         /// The radius \[m\].
         radius: f64,
-        /// A link or frame whose origin is on the side of the path. If it is inside the surface, the path touches
-        /// the surface from inside.
+        /// A link or frame whose origin is on the side of the path. If it is inside the surface, the path
+        /// touches the surface from inside.
         side: Option<String>,
     },
     /// The path starts anew. The lengths of the following branch are divided by this number.

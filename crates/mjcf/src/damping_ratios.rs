@@ -1,6 +1,6 @@
 //! Computes springs and dampers that are given by time constants and damping ratios, and the peak forces of
-//! muscles. They depend on the mass matrix in the pose of the file. The rest lengths of spatial tendons depend on
-//! a pose, too.
+//! muscles. They depend on the mass matrix in the pose of the file. The rest lengths of spatial tendons
+//! depend on a pose, too.
 
 use robot_dynamics_core::kinematics::body_placement::Placement;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;

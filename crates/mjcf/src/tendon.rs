@@ -1,4 +1,5 @@
-//! Reads `<tendon>`: tendons whose length is a linear combination of joint positions, and tendons along a path.
+//! Reads `<tendon>`: tendons whose length is a linear combination of joint positions, and tendons along a
+//! path.
 
 use std::collections::HashMap;
 
@@ -34,7 +35,7 @@ pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
     }
 }
 
-/// What fixed and spatial tendons have in common.
+/// The properties that fixed and spatial tendons have in common.
 struct TendonSettings {
     passive: PassiveForces,
     higher_terms: PolynomialStiffnessDamping,
@@ -47,8 +48,8 @@ struct TendonSettings {
 }
 
 impl Reader<'_> {
-    /// Reads all tendons, in the order of the file. Returns the indices of the spatial tendons whose rest length
-    /// is that of the joints' springs at rest.
+    /// Reads all tendons, in the order of the file. Returns the indices of the spatial tendons whose rest
+    /// length is that of the joints' springs at rest.
     pub(crate) fn tendons(
         &mut self,
         bodies: &[Body],

@@ -42,7 +42,11 @@ fn actuators(robot: &RobotDescription) -> String {
             Transmission::Frame { frame, gear } => (format!("frame {frame}"), numbers(gear)),
         };
         let (gain, bias) = (actuator.gain, actuator.bias);
-        let of_state = [gain.constant, 0.0 - bias.length, 0.0 - bias.velocity].map(short);
+        let of_state = if actuator.muscle.is_some() {
+            ["muscle".to_owned(), String::new(), String::new()]
+        } else {
+            [gain.constant, 0.0 - bias.length, 0.0 - bias.velocity].map(short)
+        };
         let ranges = actuator.control_range.into_iter().chain(actuator.force_range).map(short);
         table.row([actuator.name.clone(), on, gear].into_iter().chain(of_state).chain(ranges));
     }

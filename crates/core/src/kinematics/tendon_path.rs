@@ -1,8 +1,9 @@
 //! The length of a spatial tendon, and its derivatives by the coordinates.
 //!
-//! ℓ = Σ (lengths of the straight parts + lengths on surfaces)/divisor. A straight part from a to b along the unit
-//! vector u changes by uᵀ(J_b − J_a) v. Where the path leaves a surface it is tangent to it, so that a motion of
-//! the surface moves these points without a change of the part between them: the part contributes nothing.
+//! ℓ = Σ (lengths of the straight parts + lengths on surfaces)/divisor. A straight part from a to b along the
+//! unit vector u changes by uᵀ(J_b − J_a) v. Where the path leaves a surface it is tangent to it, so that a
+//! motion of the surface moves these points without a change of the part between them: the part contributes
+//! nothing.
 
 mod wrapping;
 

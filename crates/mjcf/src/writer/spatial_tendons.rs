@@ -19,7 +19,8 @@ pub(super) struct TendonGeom {
 }
 
 impl<'r> MjcfWriter<'r> {
-    /// Plans the sites and geoms of the paths. A surface that is also a shape with a name uses that shape's geom.
+    /// Plans the sites and geoms of the paths. A surface that is also a shape with a name uses that shape's
+    /// geom.
     pub(super) fn plan_tendons(&mut self) {
         let robot = self.robot;
         let mut names = Names::default();

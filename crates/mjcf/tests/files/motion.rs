@@ -1,12 +1,11 @@
 //! Compares motions with actuators, tendons, springs, damping and gravity compensation with MuJoCo's RK4 over
 //! one second.
 //!
-//! Both use the same stages, in steps of 1 ms, or of 0.2 ms with free bodies and muscles. Muscles' activations
-//! are exact here and by RK4 in MuJoCo. The velocity of a free body is
-//! along its own axes here and along the axes of the world in MuJoCo. The two ends therefore differ by the
-//! error of the method, (ω h)⁴ with spins up to 60 rad/s. The tolerance is 1e-9 of the largest number, or of
-//! one. Where MuJoCo's inertias have an error of 1e-9, it is a hundred times that, because the error acts for
-//! one second.
+//! Both use the same stages, in steps of 1 ms, or of 0.2 ms with free bodies and muscles. Muscles'
+//! activations are exact here and by RK4 in MuJoCo. The velocity of a free body is along its own axes here
+//! and along the axes of the world in MuJoCo. The two ends therefore differ by the error of the method, (ω
+//! h)⁴ with spins up to 60 rad/s. The tolerance is 1e-9 of the largest number, or of one. Where MuJoCo's
+//! inertias have an error of 1e-9, it is a hundred times that, because the error acts for one second.
 
 use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,

@@ -79,8 +79,8 @@ impl Actuation {
         self.actuators[actuator].1.length_and_rate(model, &self.tendons, &mut workspace.transmissions, state)
     }
 
-    /// Returns ℓ of all tendons \[m or rad\], and their Jacobian ∂ℓ̇/∂v by rows, one row of nv entries a tendon.
-    /// Tendons over joints come first, then spatial tendons, each in the description's order.
+    /// Returns ℓ of all tendons \[m or rad\], and their Jacobian ∂ℓ̇/∂v by rows, one row of nv entries a
+    /// tendon. Tendons over joints come first, then spatial tendons, each in the description's order.
     ///
     /// ```
     /// use robot_dynamics::description::{SpatialTendonDescription, TendonPathElement, pendulum};

@@ -9,8 +9,8 @@ use robot_dynamics::model::{Model, integrate, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Actuation, Effect, Integrator, Method, Run, RunOptions, SimulationBuilder};
 
-/// A random robot with tendons through points of its links and around spheres and cylinders, over pulleys, with and
-/// without points that give the side.
+/// A random robot with tendons through points of its links and around spheres and cylinders, over pulleys,
+/// with and without points that give the side.
 fn with_tendons(seed: u64) -> RobotDescription {
     let mut robot = random_robot(seed, &RandomRobotOptions::default());
     let mut random = SplitMix64::new(seed);
@@ -20,7 +20,7 @@ fn with_tendons(seed: u64) -> RobotDescription {
         Pose::from_xyz_rpy(three(size), three(3.0))
     };
     for number in 0..4 {
-        let mut point = |robot: &mut RobotDescription, random: &mut SplitMix64| {
+        let point = |robot: &mut RobotDescription, random: &mut SplitMix64| {
             let name = format!("point_{number}_{}", robot.frames.len());
             let link = &links[(random.next_u64() % links.len() as u64) as usize];
             let place = pose(random, 0.5);
@@ -50,6 +50,21 @@ fn with_tendons(seed: u64) -> RobotDescription {
         robot.spatial_tendons.push(tendon);
     }
     robot
+}
+
+/// A tendon through a removed link is removed with its actuator, and both are reported.
+#[test]
+fn tendons_through_removed_links_are_removed() {
+    let mut robot = parse(ARM, &LoadOptions::default()).unwrap().description;
+    let notes = robot.remove_joint("elbow").unwrap();
+    assert_eq!(
+        robot.spatial_tendons.iter().map(|tendon| tendon.name.as_str()).collect::<Vec<_>>(),
+        ["around"]
+    );
+    for name in ["over", "pulley"] {
+        assert!(notes.iter().any(|note| note.place == format!("tendon `{name}`")), "{notes:?}");
+    }
+    assert_eq!(Model::new(robot).unwrap().nv(), 3);
 }
 
 /// A difference of order 4 along one degree of freedom.
@@ -121,7 +136,8 @@ fn forces_are_derivatives_of_stored_energy() {
     }
 }
 
-/// Two links with a cable around the pole at the shoulder, one around the drum at the elbow, and one over a pulley.
+/// Two links with a cable around the pole at the shoulder, one around the drum at the elbow, and one over a
+/// pulley.
 const ARM: &str = r#"<mujoco><compiler angle="radian"/><worldbody>
   <site name="hook" pos="-0.3 0.05 1.3"/>
   <geom name="pole" type="cylinder" size="0.08 0.2" pos="0 0 1" euler="1.4 0 0"/>
@@ -146,7 +162,8 @@ fn run(model: &Model, method: Method, h: f64, duration: f64) -> Run {
     simulation.run_steps_from(&neutral(model), &v, steps, RunOptions::new().sample_ends()).unwrap()
 }
 
-/// Every method takes the springs and dampers into account, and reaches the motion of the others with its order.
+/// Every method takes the springs and dampers into account, and reaches the motion of the others with its
+/// order.
 #[test]
 fn all_methods_reach_one_motion_and_account_for_its_energy() {
     let model = Model::new(parse(ARM, &LoadOptions::default()).unwrap().description).unwrap();

@@ -17,11 +17,11 @@ pub(super) struct Wrap {
 /// Lengths below this count as zero.
 const SMALLEST: f64 = 1e-15;
 
-/// The part of the path from `a` to `b` on a surface of this radius about the origin, a cylinder's axis along z.
-/// `None` if the straight line is the path, or a point is inside the surface.
+/// The part of the path from `a` to `b` on a surface of this radius about the origin, a cylinder's axis along
+/// z. `None` if the straight line is the path, or a point is inside the surface.
 ///
-/// A point `side` outside the surface gives the side of the path; one inside makes the path touch the surface from
-/// inside. The rules for both are those of MuJoCo.
+/// A point `side` outside the surface gives the side of the path; one inside makes the path touch the surface
+/// from inside. The rules for both are those of MuJoCo.
 pub(super) fn wrap(
     surface: TendonSurface,
     radius: f64,
@@ -107,8 +107,8 @@ fn around([a, b]: [Point2; 2], side: Option<Point2>, radius: f64) -> Option<Arc>
     Some(Arc { ends, length: radius * (turn * angle).rem_euclid(TAU) })
 }
 
-/// The points where the tangents from `a` and to `b` meet the circle, if the path runs counterclockwise around it
-/// (`turn` 1) or clockwise (−1).
+/// The points where the tangents from `a` and to `b` meet the circle, if the path runs counterclockwise
+/// around it (`turn` 1) or clockwise (−1).
 fn tangent_points([a, b]: [Point2; 2], radius: f64, turn: f64) -> [Point2; 2] {
     let point = |p: Point2, turn: f64| {
         let square = p.norm_squared();
@@ -130,11 +130,11 @@ fn is_crossing([a, b]: [Point2; 2], [c, d]: [Point2; 2]) -> bool {
     (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)
 }
 
-/// The point of a circle that the shortest path via the circle touches, as an arc without length. `None` if the
-/// straight line meets the circle.
+/// The point of a circle that the shortest path via the circle touches, as an arc without length. `None` if
+/// the straight line meets the circle.
 ///
-/// At that point both lines have the same angle φ to the normal. By the law of sines, the directions of `a` and
-/// `b` then differ by 2φ − asin(sin φ r/|a|) − asin(sin φ r/|b|), which grows with φ.
+/// At that point both lines have the same angle φ to the normal. By the law of sines, the directions of `a`
+/// and `b` then differ by 2φ − asin(sin φ r/|a|) − asin(sin φ r/|b|), which grows with φ.
 fn touch_inside([a, b]: [Point2; 2], radius: f64) -> Option<Arc> {
     let way = b - a;
     if a.norm() <= radius || b.norm() <= radius {
@@ -196,7 +196,7 @@ mod tests {
         assert!(wrap(TendonSurface::Sphere, 1.4, ends, None).is_some());
     }
 
-    /// Of all points of the circle, the one that the path touches from inside makes it shortest.
+    /// Among all points of the circle, the one that the path touches from inside makes it shortest.
     #[test]
     fn a_path_that_touches_from_inside_is_the_shortest() {
         let ends = [Vector3::new(2.0, 0.4, 0.0), Vector3::new(0.3, 3.0, 0.0)];
