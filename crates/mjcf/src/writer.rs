@@ -17,11 +17,10 @@ use std::path::Path;
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{
     EARTH_GRAVITY, FluidEllipsoid, FluidForm, JointKind, LinkShape, Medium, ModelError, Pose,
-    RobotDescription, Shape, UnsupportedFeature, WrittenFile,
+    RobotDescription, Shape, TendonSurface, UnsupportedFeature, WrittenFile,
 };
 use robot_dynamics_xml::{Writer, excerpt, is_name};
 
-use self::spatial_tendons::TendonGeom;
 use crate::names::Names;
 
 /// The largest number that readers of MJCF accept, written for infinity on the open side of a range.
@@ -72,6 +71,14 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     } else {
         Err(ModelError::Unwritable(writer.unwritable))
     }
+}
+
+/// A geom that exists only for a tendon.
+struct TendonGeom {
+    name: String,
+    surface: TendonSurface,
+    radius: f64,
+    link_from_surface: Pose,
 }
 
 struct MjcfWriter<'r> {

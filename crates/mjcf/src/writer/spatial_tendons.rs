@@ -7,16 +7,8 @@ use robot_dynamics_description::{
 };
 use robot_dynamics_xml::{excerpt, is_name};
 
-use super::MjcfWriter;
+use super::{MjcfWriter, TendonGeom};
 use crate::names::Names;
-
-/// A geom that exists only for a tendon.
-pub(super) struct TendonGeom {
-    name: String,
-    surface: TendonSurface,
-    radius: f64,
-    link_from_surface: Pose,
-}
 
 impl<'r> MjcfWriter<'r> {
     /// Plans the sites and geoms of the paths. A surface that is also a shape with a name uses that shape's
