@@ -10,6 +10,7 @@ mod coupling;
 mod law;
 mod measurements;
 mod pose_spring;
+mod power;
 mod spatial_tendon;
 mod tendon;
 mod tendon_law;
