@@ -158,3 +158,18 @@ fn losses_of_a_written_fluid_are_named() {
     ];
     assert_eq!(lost, expected);
 }
+
+#[test]
+fn descriptions_keep_the_fluid_as_json() {
+    for (file, _) in golden()["files"].as_object().expect("files") {
+        let robot = robot(file);
+        let text = serde_json::to_string(&robot).expect("a text");
+        assert_eq!(serde_json::from_str::<RobotDescription>(&text).expect("a robot"), robot, "{file}");
+        // Descriptions of earlier versions have no fluid.
+        let mut old: Value = serde_json::from_str(&text).expect("JSON");
+        let fields = old.as_object_mut().expect("fields");
+        assert!(fields.remove("medium").is_some() && fields.remove("fluid_shapes").is_some());
+        let dry: RobotDescription = serde_json::from_value(old).expect("a robot");
+        assert!(!dry.medium.acts() && dry.fluid_shapes.is_empty());
+    }
+}
