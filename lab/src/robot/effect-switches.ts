@@ -8,7 +8,7 @@ const quoted = (line: string): string => line.replace(/`([^`]*)`/g, '“$1”');
 
 /** Labels by the library's names. */
 const EFFECTS: readonly (readonly [string, string])[] = [
-  ['dissipation', 'Damping and friction'], ['limits', 'Position limits'], ['effort-limits', 'Effort limits of torques'],
+  ['dissipation', 'Damping, friction, fluid'], ['limits', 'Position limits'], ['effort-limits', 'Effort limits of torques'],
   ['springs', 'Springs and tendons'], ['actuators', 'Actuators of the file'], ['equalities', 'Closed loops, couplings'],
   ['contacts', 'Contacts'], ['link-contacts', 'Contacts between links'],
 ];
