@@ -1,4 +1,4 @@
-//! `dynamics convert`: writes a robot in the other file format, and lists the features that this format
+//! `dynamics convert`: writes a robot or a scene in a file format, and lists the features that this format
 //! lacks.
 
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ const MAX_MESSAGES: usize = 20;
 /// Number of names in one message.
 const MAX_NAMES: usize = 8;
 
-/// Convert a robot from MJCF to URDF or from URDF to MJCF.
+/// Convert a robot or a scene to URDF or MJCF.
 ///
 /// Features that the output format lacks are listed by name: physics as warnings, appearance and metadata as
 /// notes. The command reads its output back and compares the mass matrices before it writes the file.

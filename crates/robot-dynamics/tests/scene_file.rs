@@ -289,3 +289,111 @@ fn mesh_objects_have_the_mass_of_their_solid() {
     let missing = mesh_object("x", Path::new("nowhere.stl"), [1.0; 3], MeshMass::Fixed, MeshSolid::Exact);
     assert!(missing.unwrap_err().to_string().starts_with("mesh `nowhere.stl`: "));
 }
+
+/// Mutants of a scene, with other values, names, elements and bytes, are read or refused: none panics.
+#[test]
+fn mutants_are_read_or_refused() {
+    let values = [
+        "",
+        "0",
+        "-1",
+        "nan",
+        "inf",
+        "1e308",
+        "-1e308",
+        "1e-320",
+        "0 0 0",
+        "1 2",
+        "1 2 3",
+        "1 0 0 0 0 0",
+        "world",
+        "cart",
+        "a_rod",
+        "ground",
+        "true",
+        "arm.urdf",
+        "cell.scene.xml",
+        "../cells/arm.urdf",
+        "box.obj",
+        "helical",
+        "floating",
+        "universal",
+        "exact",
+        "a\u{301}",
+        "x y",
+    ];
+    let words = [
+        "scene",
+        "robot",
+        "box",
+        "sphere",
+        "mesh",
+        "ground",
+        "wall",
+        "table",
+        "capsule",
+        "ellipsoid",
+        "name",
+        "file",
+        "xyz",
+        "rpy",
+        "mass",
+        "density",
+        "on",
+        "joint",
+        "axis",
+        "pitch",
+        "scale",
+        "solid",
+        "inertia",
+        "size",
+        "radius",
+        "srdf",
+        "prefix",
+        "floating_base",
+        "color",
+        "friction",
+        "half_axes",
+    ];
+    let mut random = SplitMix64::new(11);
+    let mut pick = |count: usize| usize::try_from(random.next_u64() % count as u64).expect("a small number");
+    let mut files = files();
+    files.insert("cells/box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n");
+    let whole = SCENE
+        .replace("</scene>", "<mesh name='m' file='box.obj' mass='1' scale='0.5'/></scene>")
+        .replace('\'', "\"");
+    let (mut read, mut compiled) = (0, 0);
+    for _ in 0..4000 {
+        // Text between quotes alternates between names of elements or attributes, and values.
+        let mut pieces: Vec<String> = whole.split('"').map(str::to_owned).collect();
+        for _ in 0..=pick(3) {
+            let at = pick(pieces.len());
+            match (at % 2, pick(4)) {
+                (1, 0..=2) => pieces[at] = values[pick(values.len())].to_owned(),
+                (0, 0 | 1) => {
+                    let old: Vec<&str> =
+                        words.iter().copied().filter(|word| pieces[at].contains(word)).collect();
+                    if let Some(old) = old.get(pick(old.len().max(1))) {
+                        pieces[at] = pieces[at].replacen(old, words[pick(words.len())], 1);
+                    }
+                }
+                (_, 3) if pieces[at].is_ascii() && !pieces[at].is_empty() => {
+                    let byte = pick(pieces[at].len());
+                    pieces[at].remove(byte);
+                }
+                _ => {
+                    let again = pieces[at].clone();
+                    pieces.insert(at, again);
+                }
+            }
+        }
+        files.insert("cells/cell.scene.xml", pieces.join("\""));
+        if let Ok(found) =
+            load_description_from_files(&files, "cells/cell.scene.xml", &LoadOptions::default())
+        {
+            read += 1;
+            compiled += usize::from(Model::new(found.description).is_ok());
+        }
+    }
+    assert!(read > 200 && compiled > 100, "most mutants break the scene: {read} read, {compiled} compiled");
+}
