@@ -129,16 +129,13 @@ impl FluidForces {
 
     /// Whether a motion of each coordinate moves a shape.
     pub(crate) fn moving_coordinates(&self, model: &Model) -> Vec<bool> {
-        let mut moves = vec![false; model.nv];
-        for shape in &self.shapes {
-            let mut at = shape.body;
-            while at != WORLD {
-                let body = &model.bodies[at];
-                for dof in &model.dofs[body.dof..body.dof + body.motion.nv()] {
-                    moves[dof.coordinate] = true;
-                }
-                at = body.parent;
-            }
+        let (mut carries, mut moves) = (vec![false; model.bodies.len()], vec![false; model.nv]);
+        self.shapes.iter().for_each(|shape| carries[shape.body] = true);
+        for (i, body) in model.bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
+            carries[body.parent] |= carries[i];
+        }
+        for dof in model.dofs.iter().filter(|dof| carries[dof.body]) {
+            moves[dof.coordinate] = true;
         }
         moves
     }
