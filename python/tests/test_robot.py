@@ -148,6 +148,19 @@ def test_an_srdf_file_adds_groups_and_poses(panda: rd.Robot, tmp_path: Path) -> 
         rd.loads((ROBOTS / "panda.urdf").read_text(), srdf='<robot name="panda">\n<passive_joint name="panda_joint71"/></robot>')
 
 
+def test_sdf_models_are_read(tmp_path: Path) -> None:
+    folder = ROBOTS.parent / "testdata" / "sdf"
+    arm = rd.load(folder / "arm.sdf")
+    assert arm.nv == 11 and arm.joint_names[-1] == "left::slide" and arm.joints[0].kind == "floating"
+    # The included model from memory, and the same M.
+    assets = {f"hand/{name}": (folder / "hand" / name).read_bytes() for name in ("hand.sdf", "model.config")}
+    q = arm.neutral()
+    same = rd.loads((folder / "arm.sdf").read_text(), assets=assets)
+    assert_allclose(same.mass_matrix(q), arm.mass_matrix(q), rtol=0, atol=0)
+    with pytest.raises(rd.LoadError, match="no folder"):
+        rd.loads((folder / "arm.sdf").read_text())
+
+
 def test_joints_without_inertia_are_named() -> None:
     text = (ROBOTS / "two_r.urdf").read_text()
     description = rd.loads(text).describe()

@@ -593,3 +593,39 @@ fn errors_name_their_lines() {
     let text = "<link name='a'><velocity_decay><linear>0.1</linear></velocity_decay><inertial><fluid_added_mass><xx>1</xx></fluid_added_mass></inertial></link>";
     assert_eq!(load(&model("1.9", text)).report.ignored_physics().count(), 2);
 }
+
+/// An arm of a revolute, a universal and a screw joint with an included hand. Drake 1.51.1 computed M and the
+/// bias (`CalcMassMatrix`, `CalcBiasTerm` less `CalcGravityGeneralizedForces`) for `model://hand/hand.sdf`, at
+/// the base at rest in its pose.
+#[test]
+fn an_arm_with_an_included_hand_agrees_with_drake() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/sdf/arm.sdf");
+    let robot = load_description(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let base = robot.description.joints.iter().find(|joint| joint.child == "base").expect("the base");
+    assert_near("base", &base.parent_from_joint.translation, &[1.0, 2.0, 3.0]);
+    let model = Model::new(robot.description).expect("a robot");
+    let names: Vec<&str> =
+        model.joints().iter().filter(|joint| joint.nv > 0).map(|joint| &*joint.name).collect();
+    assert_eq!(names, ["floating_base", "shoulder", "elbow", "screw", "left::slide"]);
+    let q = [&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0][..], &[0.25, 0.35, 0.45, 0.55, 0.15]].concat();
+    let v = [&[0.0; 6][..], &[0.1, 0.3, 0.5, 0.7, -0.1]].concat();
+    #[rustfmt::skip]
+    let expected = [
+        7.3988702448719634e-01, -4.0168016602072448e-02, 2.4746199824571136e-01, 7.8443911392388002e-02, -1.0144059477142012e-02,
+        -4.0168016602072448e-02, 2.0168091808370095e-01, -3.5466088438524446e-02, 1.0277952301648357e-02, -1.4072012202531414e-02,
+        2.4746199824571136e-01, -3.5466088438524446e-02, 2.3223974460472191e-01, 4.2367291420695632e-02, 9.5086196258125817e-03,
+        7.8443911392388002e-02, 1.0277952301648357e-02, 4.2367291420695632e-02, 7.2269343842531045e-02, 9.8084114622876244e-03,
+        -1.0144059477142012e-02, -1.4072012202531414e-02, 9.5086196258125817e-03, 9.8084114622876244e-03, 2.0000000000000004e-01,
+    ];
+    let m = model.mass_matrix(&q).expect("M");
+    let found: Vec<f64> = (6..11).flat_map(|i| (6..11).map(move |j| (i, j))).map(|at| m[at]).collect();
+    assert_near("M", &found, &expected);
+    let expected = [
+        5.8249368156100454e+00,
+        -3.9228588291946704e+00,
+        1.0061674453171832e+00,
+        7.7876957886313236e-01,
+        7.8732380209000474e-01,
+    ];
+    assert_near("bias", &model.bias(&q, &v).expect("h").as_slice()[6..], &expected);
+}

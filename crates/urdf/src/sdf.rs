@@ -62,6 +62,7 @@ pub(crate) fn read_sdf<'a>(
         joints: Vec::new(),
         named_frames: Vec::new(),
         budget: Budget::default(),
+        includes: 0,
         files: Vec::new(),
         gravity: None,
         file: String::new(),
@@ -175,10 +176,7 @@ fn main_model<'a>(parts: &mut Parts<'_>, reader: &mut Reader<'a>, root: &Element
     for world in worlds {
         let world = reader.named_element(world, "world");
         parts.gravity = Some(reader.child_numbers(&world, "gravity").unwrap_or(WORLD_GRAVITY));
-        let known = [
-            "gravity",
-            "model",
-            "include",
+        let ignored = [
             "light",
             "physics",
             "plugin",
@@ -193,6 +191,15 @@ fn main_model<'a>(parts: &mut Parts<'_>, reader: &mut Reader<'a>, root: &Element
             "road",
             "population",
         ];
+        for node in world.node.children().filter(|&node| ignored.contains(&node.tag_name().name())) {
+            let (line, tag) = (reader.line(node), node.tag_name().name());
+            reader.report_ignored(
+                line,
+                format!("{}/{tag}", world.place),
+                "a part of the world, not of the model",
+            );
+        }
+        let known = [&ignored[..], &["gravity", "model", "include"]].concat();
         // Joints and frames of a world are physics.
         reader.list_unread(&world, &["name"], &known, UnknownPart::Physics);
     }

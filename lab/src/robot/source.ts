@@ -25,7 +25,7 @@ async function readAmong(robots: Robots, files: ReadonlyMap<string, Blob>, path:
     return some.length;
   };
   try {
-    await add(/\.(xml|mjcf|urdf|sdf|scene)$/i);
+    await add(/\.(xml|mjcf|urdf|sdf|config|scene)$/i);
     try {
       return robots.Robot.loadAmong(given, path, floating, true);
     } catch (error) {

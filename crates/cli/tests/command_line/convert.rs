@@ -12,13 +12,23 @@ fn folder(name: &str) -> Folder {
         let file = format!("{}/../../robots/{robot}.xml", env!("CARGO_MANIFEST_DIR"));
         folder.write(&format!("{robot}.xml"), &std::fs::read(file).unwrap());
     }
+    let hand = format!("{}/../../testdata/sdf/hand/hand.sdf", env!("CARGO_MANIFEST_DIR"));
+    folder.write("palm.sdf", &std::fs::read(hand).unwrap());
     folder
 }
 
 #[test]
 fn both_ways_m_is_the_same() {
     let folder = folder("convert");
-    for robot in ["panda.urdf", "gripper.urdf", "humanoid.urdf", "quadruped.xml", "hand.xml", "linkage.xml"] {
+    for robot in [
+        "panda.urdf",
+        "gripper.urdf",
+        "humanoid.urdf",
+        "quadruped.xml",
+        "hand.xml",
+        "linkage.xml",
+        "palm.sdf",
+    ] {
         let is_urdf = Path::new(robot).extension().is_some_and(|ending| ending == "urdf");
         let (there, back) = if is_urdf { ("there.xml", "back.urdf") } else { ("there.urdf", "back.xml") };
         let ran = folder.run(&["convert", robot, there], b"");

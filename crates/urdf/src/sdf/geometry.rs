@@ -3,8 +3,8 @@
 //! Shapes do not affect the motion, so a bad shape does not refuse the file: it is omitted and reported.
 
 use robot_dynamics_description::{Pose, Shape, ShapeRole, Surface, z_onto};
-use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
+use robot_dynamics_xml::{Resource, excerpt};
 
 use super::parts::{Parts, Scope, SdfShape};
 use crate::element::Element;
@@ -36,6 +36,9 @@ impl Parts<'_> {
             "meta",
         ];
         reader.list_unread(element, &["name"], &known, UnknownPart::Harmless);
+        if !self.charge(reader, element, Resource::Characters, 2 * scope.prefix.len()) {
+            return None;
+        }
         let written = reader.pose(element);
         let relative_to = written.relative_to.map(|name| scope.target(name));
         let read = reader.child(element, "geometry").ok_or_else(|| "no <geometry>".to_owned());
@@ -144,6 +147,23 @@ impl Parts<'_> {
             if is_off {
                 (surface.contype, surface.conaffinity) = (0, 0);
             }
+        }
+        let of_an_engine = [
+            "mu2",
+            "fdir1",
+            "slip1",
+            "slip2",
+            "bullet",
+            "kp",
+            "kd",
+            "soft_cfm",
+            "soft_erp",
+            "poissons_ratio",
+        ];
+        let is_left_out = |node: &Node<'a, 'a>| of_an_engine.contains(&node.tag_name().name());
+        if element.node.descendants().any(|node| is_left_out(&node)) {
+            let (line, place) = (element.line, element.place.clone());
+            reader.report_ignored(line, place, "contact parameters of one physics engine");
         }
         for name in ["bounce", "soft_contact"] {
             if let Some(part) = reader.child(element, name) {

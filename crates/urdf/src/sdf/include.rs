@@ -16,6 +16,9 @@ use crate::unread_parts::UnknownPart;
 /// The deepest nesting of elements in one file.
 pub(super) const DEPTH_LIMIT: usize = 200;
 
+/// The largest number of included models.
+const INCLUDE_LIMIT: usize = 10_000;
+
 /// The versions of SDF whose meaning is known.
 pub(super) const VERSIONS: [(u32, u32); 2] = [(1, 4), (1, 12)];
 
@@ -45,6 +48,11 @@ impl Parts<'_> {
         };
         if uri.is_empty() {
             return;
+        }
+        self.includes += 1;
+        if self.includes > INCLUDE_LIMIT {
+            let (line, what) = (element.line, "included models");
+            return reader.refuse(UrdfError::TooMany { line, what, limit: INCLUDE_LIMIT });
         }
         let (path, text) = match self.open(uri) {
             Ok(found) => found,

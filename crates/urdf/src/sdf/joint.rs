@@ -89,8 +89,14 @@ impl Parts<'_> {
             let axis = self.axis(reader, &axis, scope, kind);
             axes.push(axis);
         }
-        if let Some(physics) = reader.child(element, "physics") {
-            reader.report_ignored(physics.line, physics.place, "settings of one physics engine");
+        for (name, message) in [
+            ("physics", "settings of one physics engine"),
+            ("sensor", "a sensor"),
+            ("plugin", "a program for a simulator"),
+        ] {
+            if let Some(part) = reader.child(element, name) {
+                reader.report_ignored(part.line, part.place, message);
+            }
         }
         let pitch = if kind == JointType::Screw { pitch(reader, element) } else { 0.0 };
         reader.report_read(element, format!("{} joint", written_type.unwrap_or_default()));

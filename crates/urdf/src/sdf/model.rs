@@ -163,7 +163,8 @@ impl Parts<'_> {
             if !reader.is_own(node) {
                 continue;
             }
-            if self.budget.is_exceeded() {
+            // An element has at most eight names with the prefix.
+            if !self.charge(reader, element, Resource::Characters, 8 * scope.prefix.len()) {
                 return;
             }
             let tag = node.tag_name().name();

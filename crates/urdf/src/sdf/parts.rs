@@ -147,6 +147,8 @@ pub(super) struct Parts<'f> {
     pub(super) joints: Vec<SdfJoint>,
     pub(super) named_frames: Vec<NamedFrame>,
     pub(super) budget: Budget,
+    /// The number of includes so far.
+    pub(super) includes: usize,
     /// The included files.
     pub(super) files: Vec<PathBuf>,
     pub(super) gravity: Option<[f64; 3]>,
