@@ -2,6 +2,8 @@
 //! muscles. They depend on the mass matrix in the pose of the file. The rest lengths of spatial tendons
 //! depend on a pose, too.
 
+use std::collections::HashMap;
+
 use robot_dynamics_core::kinematics::body_placement::Placement;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_core::{Model, Workspace, neutral};
@@ -37,7 +39,7 @@ impl Reader<'_> {
         };
         let Some(relaxed) = InitialPose::new(table, robot, position) else { return };
         for &tendon in at_rest {
-            robot.spatial_tendons[tendon].passive.rest = relaxed.path(tendon).0;
+            robot.spatial_tendons[tendon].passive.rest = relaxed.paths[tendon].length(&relaxed.placement);
         }
     }
 
@@ -130,6 +132,8 @@ type Matrix = nalgebra::DMatrix<f64>;
 struct InitialPose {
     model: Model,
     q: Vec<f64>,
+    placement: Placement,
+    paths: Vec<TendonPath>,
 }
 
 impl InitialPose {
@@ -149,11 +153,15 @@ impl InitialPose {
         // The base is fixed here. A floating base is added later.
         let model = Model::new(bare).ok()?;
         let mut q = neutral(&model);
+        let ranges: HashMap<&str, _> =
+            model.joints().iter().map(|joint| (joint.name.as_str(), joint.q())).collect();
         for joint in &table.joints {
-            let placed = model.joints().iter().find(|own| own.name == joint.name)?;
-            q[placed.q()].copy_from_slice(&position(joint));
+            q[ranges.get(joint.name.as_str())?.clone()].copy_from_slice(&position(joint));
         }
-        Some(Self { model, q })
+        let mut placement = Placement::new(&model);
+        placement.set(&model, &mut Workspace::new(&model), &q);
+        let paths = TendonPath::all(&model);
+        Some(Self { model, q, placement, paths })
     }
 
     fn inverse_mass_matrix(&self) -> Option<Matrix> {
@@ -163,14 +171,11 @@ impl InitialPose {
         Some(self.model.mass_matrix(&self.q).ok()?.cholesky()?.inverse())
     }
 
-    /// The length of a spatial tendon, and its derivatives by the coordinates.
-    fn path(&self, tendon: usize) -> (f64, Vec<f64>) {
-        let mut placement = Placement::new(&self.model);
-        placement.set(&self.model, &mut Workspace::new(&self.model), &self.q);
+    /// The derivatives of a spatial tendon's length by the coordinates, where they are not zero.
+    fn row(&self, tendon: usize) -> Vec<(usize, f64)> {
         let mut row = vec![0.0; self.model.nv()];
-        let path = TendonPath::new(&self.model, &self.model.description().spatial_tendons[tendon]);
-        let length = path.length_and_row(&self.model, &placement, &mut row);
-        (length, row)
+        self.paths[tendon].length_and_row(&self.model, &self.placement, &mut row);
+        row.into_iter().enumerate().filter(|(_, entry)| *entry != 0.0).collect()
     }
 }
 
@@ -190,7 +195,7 @@ fn moment(
             .unwrap_or_default(),
         Tendon { tendon, gear } => {
             if let Some(path) = robot.spatial_tendons.iter().position(|own| own.name == *tendon) {
-                return initial.path(path).1.into_iter().map(|entry| entry * gear).enumerate().collect();
+                return initial.row(path).into_iter().map(|(k, entry)| (k, entry * gear)).collect();
             }
             let tendon = robot.tendons.iter().find(|own| own.name == *tendon);
             let terms = tendon.map(|tendon| &tendon.terms[..]).unwrap_or_default();

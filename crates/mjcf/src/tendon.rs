@@ -12,7 +12,7 @@ use crate::assembly::ElementTable;
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::element::Element;
-use crate::geom::GeomType;
+use crate::geom::{Geom, GeomType};
 use crate::joint::JointType;
 use crate::names::Names;
 use crate::option::DisabledForces;
@@ -47,6 +47,9 @@ struct TendonSettings {
     softness: TendonSolverImpedance,
 }
 
+/// The geoms by name, each with the name of its link.
+type Geoms<'a> = HashMap<&'a str, (&'a Geom, &'a str)>;
+
 impl Reader<'_> {
     /// Reads all tendons, in the order of the file. Returns the indices of the spatial tendons whose rest
     /// length is that of the joints' springs at rest.
@@ -64,6 +67,14 @@ impl Reader<'_> {
             .in_sections("tendon")
             .filter(|&id| matches!(self.tree.nodes[id].name.as_str(), "fixed" | "spatial"))
             .collect();
+        let mut geoms = Geoms::new();
+        if all.iter().any(|&id| self.tree.nodes[id].name == "spatial") {
+            for (body, link) in bodies.iter().zip(&table.links) {
+                for geom in &body.geoms {
+                    geoms.entry(&geom.name).or_insert((geom, link));
+                }
+            }
+        }
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
@@ -77,7 +88,7 @@ impl Reader<'_> {
                 let tendon = self.fixed_tendon(&element, own, table, settings);
                 self.report_read(&element, "a tendon over joints");
                 robot.tendons.push(tendon);
-            } else if let Some(path) = self.tendon_path(&element, bodies, table) {
+            } else if let Some(path) = self.tendon_path(&element, &geoms, table) {
                 if settings.rests_with_joints {
                     at_rest.push(robot.spatial_tendons.len());
                 }
@@ -163,7 +174,7 @@ impl Reader<'_> {
     fn tendon_path(
         &mut self,
         element: &Element,
-        bodies: &[Body],
+        geoms: &Geoms<'_>,
         table: &ElementTable,
     ) -> Option<Vec<TendonPathElement>> {
         let mut path = Vec::new();
@@ -178,7 +189,7 @@ impl Reader<'_> {
                         None => self.refuse_unknown_name(&part, "site", name),
                     }
                 }
-                "geom" => path.extend(self.tendon_surface(&part, bodies, table)),
+                "geom" => path.extend(self.tendon_surface(&part, geoms, table)),
                 "pulley" => {
                     let divisor = self.required_number(&part, "divisor");
                     if divisor <= 0.0 {
@@ -202,15 +213,11 @@ impl Reader<'_> {
     fn tendon_surface(
         &mut self,
         part: &Element,
-        bodies: &[Body],
+        geoms: &Geoms<'_>,
         table: &ElementTable,
     ) -> Option<TendonPathElement> {
         let name = self.required_text(part, "geom", "GEOM")?;
-        let mut all = bodies
-            .iter()
-            .zip(&table.links)
-            .flat_map(|(body, link)| body.geoms.iter().map(move |geom| (geom, link)));
-        let Some((geom, link)) = all.find(|(geom, _)| geom.name == name) else {
+        let Some(&(geom, link)) = geoms.get(name) else {
             self.refuse_unknown_name(part, "geom", name);
             return None;
         };
@@ -233,7 +240,7 @@ impl Reader<'_> {
             }
         };
         Some(TendonPathElement::Surface {
-            link: link.clone(),
+            link: link.to_owned(),
             link_from_surface: pose(&geom.body_from_geom),
             surface,
             radius: geom.size[0],

@@ -7,17 +7,15 @@
 
 mod wrapping;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_description::{
-    Pose, RobotDescription, SpatialTendonDescription, TendonPathElement, TendonSurface,
-};
+use robot_dynamics_description::{Pose, SpatialTendonDescription, TendonPathElement, TendonSurface};
 
 use self::wrapping::{Wrap, wrap};
-use crate::Model;
 use crate::kinematics::body_placement::Placement;
 use crate::model::WORLD;
+use crate::{Frame, Model};
 
 /// The path of a spatial tendon of a compiled robot.
 #[derive(Clone, Debug)]
@@ -53,22 +51,27 @@ struct Segment {
 }
 
 impl TendonPath {
-    /// The path of a description that [`Model::new`] has checked.
-    pub fn new(model: &Model, tendon: &SpatialTendonDescription) -> Self {
+    /// The paths of all spatial tendons of a robot, in the order of its description.
+    pub fn all(model: &Model) -> Vec<Self> {
+        let frames = Frames::new(model);
+        model.description().spatial_tendons.iter().map(|tendon| Self::new(&frames, tendon)).collect()
+    }
+
+    fn new(frames: &Frames<'_>, tendon: &SpatialTendonDescription) -> Self {
         let (mut segments, mut share) = (Vec::new(), 1.0);
         let mut last: Option<BodyPoint> = None;
         let mut passed: Option<BodySurface> = None;
         for element in &tendon.path {
             match element {
                 TendonPathElement::Point { frame } => {
-                    let point = BodyPoint::at_frame(model, frame);
+                    let point = frames.point(frame);
                     if let Some(last) = last {
                         segments.push(Segment { ends: [last, point], surface: passed.take(), share });
                     }
                     last = Some(point);
                 }
                 TendonPathElement::Surface { link, link_from_surface, surface, radius, side } => {
-                    let (body, body_from_link) = body_of(model, link);
+                    let (body, body_from_link) = frames.place(link);
                     let Pose { rotation, translation } = body_from_link.compose(link_from_surface);
                     passed = Some(BodySurface {
                         body,
@@ -76,7 +79,7 @@ impl TendonPath {
                         origin: translation.into(),
                         kind: *surface,
                         radius: *radius,
-                        side: side.as_ref().map(|frame| BodyPoint::at_frame(model, frame)),
+                        side: side.as_ref().map(|frame| frames.point(frame)),
                     });
                 }
                 TendonPathElement::Pulley { divisor } => {
@@ -182,26 +185,32 @@ impl BodySurface {
 }
 
 impl BodyPoint {
-    /// The origin of a link or frame.
-    fn at_frame(model: &Model, name: &str) -> Self {
-        let (body, body_from_frame) = body_of(model, name);
-        Self { body, position: body_from_frame.translation.into() }
-    }
-
     fn in_world(&self, placement: &Placement) -> Vector3<f64> {
         let (rotation, translation) = placement.body(self.body);
         rotation * self.position + translation
     }
 }
 
-/// The body of a link or frame, and the frame's pose in it.
-fn body_of(model: &Model, name: &str) -> (usize, Pose) {
-    let RobotDescription { links, frames, .. } = model.description();
-    // `Model::new` has found all names.
-    let frame = frames.iter().find(|frame| frame.name == name);
-    let (link, link_from_frame) =
-        frame.map_or((name, Pose::IDENTITY), |frame| (frame.link.as_str(), frame.link_from_frame));
-    let index = links.iter().position(|own| own.name == link).unwrap_or(0);
-    let of_link = &model.frames[index];
-    (of_link.body.unwrap_or(WORLD), of_link.body_from_frame.compose(&link_from_frame))
+/// The frames of a robot by name.
+struct Frames<'a>(HashMap<&'a str, &'a Frame>);
+
+impl<'a> Frames<'a> {
+    fn new(model: &'a Model) -> Self {
+        Self(model.frames().iter().map(|frame| (frame.name.as_str(), frame)).collect())
+    }
+
+    /// The body of a link or frame, and the frame's pose in it.
+    fn place(&self, name: &str) -> (usize, Pose) {
+        // `Model::new` has found all names.
+        let Some(Frame { body, body_from_frame, .. }) = self.0.get(name) else {
+            return (WORLD, Pose::IDENTITY);
+        };
+        (body.unwrap_or(WORLD), *body_from_frame)
+    }
+
+    /// The origin of a link or frame.
+    fn point(&self, name: &str) -> BodyPoint {
+        let (body, body_from_frame) = self.place(name);
+        BodyPoint { body, position: body_from_frame.translation.into() }
+    }
 }

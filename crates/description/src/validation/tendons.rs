@@ -1,5 +1,7 @@
 //! Checks of the tendons of a description.
 
+use std::collections::HashSet;
+
 use super::checks::{check, check_pose, check_range, check_terms, index_names};
 use super::names::Names;
 use crate::{ModelError, RobotDescription, SpatialTendonDescription, TendonPathElement};
@@ -26,22 +28,20 @@ pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -
         check_terms(&owner, &tendon.higher_terms)?;
         check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")?;
     }
+    let frames: HashSet<&str> = description.frames.iter().map(|frame| frame.name.as_str()).collect();
     for tendon in &description.spatial_tendons {
-        check_spatial(description, names, tendon)?;
+        check_spatial(&frames, names, tendon)?;
     }
     Ok(())
 }
 
 fn check_spatial(
-    description: &RobotDescription,
+    frames: &HashSet<&str>,
     names: &Names<'_>,
     tendon: &SpatialTendonDescription,
 ) -> Result<(), ModelError> {
     let owner = format!("tendon `{}`", tendon.name);
-    let frame = |name: &str| match description.frames.iter().any(|own| own.name == name) {
-        true => Ok(()),
-        false => names.link(&owner, name),
-    };
+    let frame = |name: &str| if frames.contains(name) { Ok(()) } else { names.link(&owner, name) };
     SpatialTendonDescription::check_path(&tendon.path)
         .map_err(|problem| ModelError::TendonPath { tendon: tendon.name.clone(), problem })?;
     for element in &tendon.path {

@@ -70,10 +70,19 @@ fn many_actuators_equalities_and_keys_take_no_quadratic_work() {
     let count = 20_000;
     let mut text = String::from("<mujoco><worldbody>");
     for i in 0..count {
-        write!(text, "<body name='b{i}'><joint name='j{i}' range='-1 1'/><geom size='0.1'/></body>")
+        let inside = format!("<geom name='g{i}' size='0.1'/><site name='s{i}'/>");
+        write!(text, "<body name='b{i}'><joint name='j{i}' range='-1 1'/>{inside}</body>")
             .expect("to a string");
     }
-    text += "</worldbody><actuator>";
+    text += "</worldbody><tendon>";
+    for i in 0..count {
+        write!(
+            text,
+            "<spatial><site site='s{i}'/><geom geom='g{i}' sidesite='s0'/><site site='s1'/></spatial>"
+        )
+        .expect("to a string");
+    }
+    text += "</tendon><actuator>";
     for i in 0..count {
         write!(text, "<position joint='j{i}'/>").expect("to a string");
     }
@@ -87,7 +96,9 @@ fn many_actuators_equalities_and_keys_take_no_quadratic_work() {
     }
     text += "</contact></mujoco>";
     let robot = quickly("many of everything", &text).expect("a robot");
-    assert_eq!((robot.description.actuators.len(), robot.description.equalities.len()), (count, count - 1));
+    let description = robot.description;
+    assert_eq!((description.actuators.len(), description.equalities.len()), (count, count - 1));
+    assert_eq!(description.spatial_tendons.len(), count);
 }
 
 #[test]

@@ -27,10 +27,8 @@ impl SpatialTendons {
     /// `None` without spatial tendons.
     pub(super) fn new(model: &Model) -> Option<Self> {
         let described = &model.description().spatial_tendons;
-        let tendons: Vec<_> = described
-            .iter()
-            .map(|tendon| (TendonPath::new(model, tendon), TendonLaw::of_path(tendon)))
-            .collect();
+        let laws = described.iter().map(TendonLaw::of_path);
+        let tendons: Vec<_> = TendonPath::all(model).into_iter().zip(laws).collect();
         (!tendons.is_empty()).then(|| Self { model: model.clone(), tendons })
     }
 

@@ -228,12 +228,12 @@ impl JointRows {
     fn add_paths(&mut self, model: &Model, weights: &InverseWeights) {
         let dof_parent = coordinate_parents(model);
         let first = model.description().tendons.len();
-        for (at, tendon) in model.description().spatial_tendons.iter().enumerate() {
+        let described = &model.description().spatial_tendons;
+        for (at, (tendon, path)) in described.iter().zip(TendonPath::all(model)).enumerate() {
             let bounds: Vec<(f64, f64)> = [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)]
                 .into_iter()
                 .filter(|(bound, _)| bound.is_finite())
                 .collect();
-            let path = TendonPath::new(model, tendon);
             let support = path.coordinates(model);
             let Some((last, others)) = support.split_last() else { continue };
             let most = tendon.passive.friction;

@@ -9,7 +9,7 @@ use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
-use robot_dynamics_description::{JointDescription, RobotDescription};
+use robot_dynamics_description::JointDescription;
 use robot_dynamics_integrators::IntegratorError;
 
 use super::point_rows::tendon_length;
@@ -100,13 +100,13 @@ impl InverseWeights {
             tendon_length(model, tendon).spread(1.0, &mut row);
             weigh(&row)
         };
-        let of_path = |tendon| {
+        let of_path = |path: TendonPath| {
             let mut row = vec![0.0; n];
-            TendonPath::new(model, tendon).length_and_row(model, &placement, &mut row);
+            path.length_and_row(model, &placement, &mut row);
             weigh(&row)
         };
-        let RobotDescription { tendons, spatial_tendons, .. } = model.description();
-        let tendons = tendons.iter().map(of_tendon).chain(spatial_tendons.iter().map(of_path)).collect();
+        let over_joints = model.description().tendons.iter().map(of_tendon);
+        let tendons = over_joints.chain(TendonPath::all(model).into_iter().map(of_path)).collect();
         Ok(Self { frames, coordinates, tendons })
     }
 }
