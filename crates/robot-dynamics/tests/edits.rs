@@ -338,3 +338,45 @@ fn wrong_names_and_numbers_change_nothing() {
     robot.scale_mass("rod", 1e308).expect_err("a mass that is not finite");
     assert_eq!(robot, before);
 }
+
+/// The robots of the repository's files, with all their tendons, actuators, sensors and poses.
+fn robots_of_files() -> Vec<RobotDescription> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folders =
+        ["robots", "testdata/mjcf", "testdata/mjcf/sensors", "testdata/mjcf/soft", "testdata/mjcf/fluid"];
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("a folder"));
+    let mut paths: Vec<_> = files.map(|entry| entry.expect("an entry").path()).collect();
+    paths.sort();
+    let read = |path| robot_dynamics::load_description(path, &LoadOptions::default()).ok();
+    paths.iter().filter_map(read).map(|loaded| loaded.description).collect()
+}
+
+/// No reference to a removed part is left, whichever joint of whichever robot is removed, and the robots with
+/// every other root are valid.
+#[test]
+fn edits_of_every_file_leave_valid_robots() {
+    let robots = robots_of_files();
+    assert!(robots.len() > 40, "{}", robots.len());
+    let (mut notes, mut roots) = (0, 0);
+    for robot in &robots {
+        for joint in robot.joints.iter().take(12) {
+            let mut edited = robot.clone();
+            notes += edited.remove_joint(&joint.name).expect("a joint").len();
+            let model = Model::new(edited);
+            assert!(model.is_ok(), "{} without {}: {:?}", robot.name, joint.name, model.err());
+        }
+        for link in robot.links.iter().take(12) {
+            let mut edited = robot.clone();
+            match edited.set_root(&link.name) {
+                Ok(_) => {
+                    roots += 1;
+                    let model = Model::new(edited);
+                    assert!(model.is_ok(), "{} from {}: {:?}", robot.name, link.name, model.err());
+                }
+                Err(ModelError::Irreversible { .. }) => assert_eq!(&edited, robot),
+                Err(error) => panic!("{} from {}: {error}", robot.name, link.name),
+            }
+        }
+    }
+    assert!(notes > 100 && roots > 200, "{notes} notes, {roots} roots");
+}
