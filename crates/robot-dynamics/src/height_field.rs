@@ -116,6 +116,19 @@ mod tests {
         LinkShape::new("world", ShapeRole::Collision, Pose::IDENTITY, shape)
     }
 
+    /// A file of a hundred bytes that states a large picture is refused before memory is taken for it.
+    #[cfg(feature = "png")]
+    #[test]
+    fn large_pictures_are_refused() {
+        let mut bytes = Vec::new();
+        let mut writer = png::Encoder::new(&mut bytes, 30_000, 30_000).write_header().unwrap();
+        writer.write_chunk(png::chunk::IDAT, &[]).unwrap();
+        drop(writer);
+        assert!(bytes.len() < 100);
+        let error = picture(&bytes, 1.0).unwrap_err();
+        assert!(error.contains("30000 × 30000 pixels has more than 16777216"), "{error}");
+    }
+
     /// Pictures of all colour types give the heights of MuJoCo 4.0.0.
     #[cfg(feature = "png")]
     #[test]

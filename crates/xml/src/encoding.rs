@@ -11,7 +11,7 @@ use crate::{XmlError, excerpt};
 /// declaration as it was. Text in another encoding is hardly ever valid UTF-8.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, XmlError> {
     if let Some((encoding, mark)) = Encoding::for_bom(bytes).filter(|(encoding, _)| *encoding != UTF_8) {
-        return decoded(encoding, &bytes[mark..]);
+        return decoded(encoding, bytes, mark);
     }
     let byte = match core::str::from_utf8(bytes) {
         Ok(text) => return Ok(Cow::Borrowed(text)),
@@ -21,7 +21,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, XmlError> {
         return Err(XmlError::NotText { byte, encoding: UTF_8.name().to_owned() });
     };
     match encoding_named(&name) {
-        Some(encoding) if encoding != UTF_8 => decoded(encoding, bytes),
+        Some(encoding) if encoding != UTF_8 => decoded(encoding, bytes, 0),
         Some(_) => Err(XmlError::NotText { byte, encoding: UTF_8.name().to_owned() }),
         None => Err(XmlError::UnknownEncoding { encoding: excerpt(&name) }),
     }
@@ -32,13 +32,15 @@ fn encoding_named(name: &str) -> Option<&'static Encoding> {
     Encoding::for_label(name.as_bytes()).or_else(|| Encoding::for_label(name.replace('-', "").as_bytes()))
 }
 
-fn decoded(encoding: &'static Encoding, bytes: &[u8]) -> Result<Cow<'static, str>, XmlError> {
+/// Decodes the bytes after the first `mark` ones. Errors count from the start.
+fn decoded(encoding: &'static Encoding, bytes: &[u8], mark: usize) -> Result<Cow<'static, str>, XmlError> {
+    let bytes = &bytes[mark..];
     let mut decoder = encoding.new_decoder_without_bom_handling();
     let mut text = String::new();
     text.reserve(decoder.max_utf8_buffer_length_without_replacement(bytes.len()).unwrap_or(0));
     match decoder.decode_to_string_without_replacement(bytes, &mut text, true) {
         (DecoderResult::Malformed(bad, after), read) => {
-            let byte = read.saturating_sub(usize::from(bad) + usize::from(after));
+            let byte = mark + read.saturating_sub(usize::from(bad) + usize::from(after));
             Err(XmlError::NotText { byte, encoding: encoding.name().to_owned() })
         }
         _ => Ok(Cow::Owned(text)),
@@ -102,5 +104,12 @@ mod tests {
             matches!(error("klingon", b"\xff"), XmlError::UnknownEncoding { encoding } if encoding == "klingon")
         );
         assert!(matches!(decode(b"12\xff"), Err(XmlError::NotText { byte: 2, .. })));
+        // A low surrogate alone, after the mark and one letter.
+        let half = [0xff, 0xfe, b'a', 0, 0x00, 0xdc, b'b', 0];
+        let found = decode(&half).expect_err("half a pair");
+        assert!(
+            matches!(&found, XmlError::NotText { byte: 4, encoding } if encoding == "UTF-16LE"),
+            "{found:?}"
+        );
     }
 }
