@@ -104,9 +104,8 @@ def loads(
         Folders that are searched for `package://NAME/…`: packages, or folders that contain packages. Without
         them the meshes of a text are not located.
     assets : mapping from str to bytes or str, optional
-        Contents of the files that an MJCF text names, by their relative paths: included files, attached
-        models and meshes. No file on the disk is read then.
-    srdf : str, optional
+        Contents of the files that an MJCF or SDF text names, by their relative paths: included files,
+        attached models and meshes. No file on the disk is read then. srdf : str, optional
         Content of the SRDF file of the robot; see `load`.
 
     Returns
