@@ -95,40 +95,19 @@ impl MuscleActivation {
         if self.width > 0.0 || !(0.0..=1.0).contains(&u) {
             self.by_small_steps(h, control, u)
         } else if control > u {
-            self.risen(h / self.rise, control, u)
+            risen(h / self.rise, control, u)
         } else {
-            self.fallen(h / self.fall, control, u)
+            fallen(h / self.fall, control, u)
         }
-    }
-
-    /// With e = c − u, k = ½ + 3/2 c and y = ln(e₀/e), the solution of ė = −e/(k − 3/2 e) is k y − 3/2 e₀ (1
-    /// − e⁻ʸ) = t. The left side is convex with a slope of at least ½, so Newton's method converges from
-    /// above.
-    fn risen(&self, t: f64, control: f64, u: f64) -> f64 {
-        let (k, gap) = (0.5 + 1.5 * control, control - u);
-        let mut y = 2.0 * t;
-        for _ in 0..100 {
-            let value = k.mul_add(y, 1.5 * gap * (-y).exp_m1()) - t;
-            let step = value / (k - 1.5 * gap * (-y).exp());
-            y -= step;
-            if step.abs() <= 2.0 * f64::EPSILON * y {
-                break;
-            }
-        }
-        u - gap * (-y).exp_m1()
-    }
-
-    /// With e = u − c and k = ½ + 3/2 c, ė = −e (k + 3/2 e) is linear in 1/e.
-    fn fallen(&self, t: f64, control: f64, u: f64) -> f64 {
-        let (k, gap) = (0.5 + 1.5 * control, u - control);
-        control + gap / ((k * t).exp() + 1.5 * gap * (k * t).exp_m1() / k)
     }
 
     /// The classical Runge–Kutta method with steps of 1/200 of the smallest time constant.
     fn by_small_steps(&self, h: f64, control: f64, mut u: f64) -> f64 {
-        let count = (h / (0.5 * self.rise.min(self.fall)) * 200.0).ceil().clamp(1.0, 1e6);
-        let step = h / count;
-        for _ in 0..count as usize {
+        let longest = 0.5 * self.rise.min(self.fall) / 200.0;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and 1e6
+        let count = (h / longest).ceil().clamp(1.0, 1e6) as u32;
+        let step = h / f64::from(count);
+        for _ in 0..count {
             let a = self.rate(control, u);
             let b = self.rate(control, u + 0.5 * step * a);
             let c = self.rate(control, u + 0.5 * step * b);
@@ -137,6 +116,29 @@ impl MuscleActivation {
         }
         u
     }
+}
+
+/// With e = c − u, k = ½ + 3/2 c and y = ln(e₀/e), the solution of ė = −e/(k − 3/2 e) is k y − 3/2 e₀ (1
+/// − e⁻ʸ) = t. The left side is convex with a slope of at least ½, so Newton's method converges from
+/// above.
+fn risen(t: f64, control: f64, u: f64) -> f64 {
+    let (k, gap) = (0.5 + 1.5 * control, control - u);
+    let mut y = 2.0 * t;
+    for _ in 0..100 {
+        let value = k.mul_add(y, 1.5 * gap * (-y).exp_m1()) - t;
+        let step = value / (k - 1.5 * gap * (-y).exp());
+        y -= step;
+        if step.abs() <= 2.0 * f64::EPSILON * y {
+            break;
+        }
+    }
+    u - gap * (-y).exp_m1()
+}
+
+/// With e = u − c and k = ½ + 3/2 c, ė = −e (k + 3/2 e) is linear in 1/e.
+fn fallen(t: f64, control: f64, u: f64) -> f64 {
+    let (k, gap) = (0.5 + 1.5 * control, u - control);
+    control + gap / ((k * t).exp() + 1.5 * gap * (k * t).exp_m1() / k)
 }
 
 /// 0 below 0, 1 above 1, and x³ (6x² − 15x + 10) between.

@@ -37,9 +37,9 @@ impl Reader<'_> {
             for (name, unit) in [("density", "kg/m³"), ("viscosity", "Pa·s")] {
                 let Some(value) = self.magnitude(&element, name) else { continue };
                 if name == "density" {
-                    robot.medium.density = value
+                    robot.medium.density = value;
                 } else {
-                    robot.medium.viscosity = value
+                    robot.medium.viscosity = value;
                 }
                 self.report_read(&element, format!("{name} of the fluid {value} {unit}"));
             }

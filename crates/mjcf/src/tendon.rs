@@ -85,14 +85,14 @@ impl Reader<'_> {
             }
             let settings = self.tendon_settings(&element, disabled);
             if self.tree.nodes[id].name == "fixed" {
-                let tendon = self.fixed_tendon(&element, own, table, settings);
+                let tendon = self.fixed_tendon(&element, own, table, &settings);
                 self.report_read(&element, "a tendon over joints");
                 robot.tendons.push(tendon);
             } else if let Some(path) = self.tendon_path(&element, &geoms, table) {
                 if settings.rests_with_joints {
                     at_rest.push(robot.spatial_tendons.len());
                 }
-                let tendon = self.spatial_tendon(&element, own, path, settings);
+                let tendon = self.spatial_tendon(&element, own, path, &settings);
                 self.report_read(&element, "a tendon along a path");
                 robot.spatial_tendons.push(tendon);
             }
@@ -105,7 +105,7 @@ impl Reader<'_> {
         element: &Element,
         name: String,
         table: &ElementTable,
-        settings: TendonSettings,
+        settings: &TendonSettings,
     ) -> TendonDescription {
         let mut terms = Vec::new();
         // The length at the rest positions of the joints' springs.
@@ -153,7 +153,7 @@ impl Reader<'_> {
         element: &Element,
         name: String,
         path: Vec<TendonPathElement>,
-        settings: TendonSettings,
+        settings: &TendonSettings,
     ) -> SpatialTendonDescription {
         let mut tendon = SpatialTendonDescription::new(name, path);
         tendon.passive = settings.passive;

@@ -79,12 +79,12 @@ const GAZEBO_PATHS: [&str; 4] =
     ["SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"];
 
 /// The folders of a list in a variable.
-fn absolute_folders(list: Option<OsString>) -> Vec<PathBuf> {
-    list.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()).collect()
+fn absolute_folders(list: Option<&OsString>) -> Vec<PathBuf> {
+    list.into_iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()).collect()
 }
 
 /// The folders of ROS 1 and ROS 2 that contain packages.
-fn ros_folders(ros: Option<OsString>, ament: Option<OsString>) -> Vec<PathBuf> {
+fn ros_folders(ros: Option<&OsString>, ament: Option<&OsString>) -> Vec<PathBuf> {
     let shares = absolute_folders(ament).into_iter().map(|prefix| prefix.join("share"));
     absolute_folders(ros).into_iter().chain(shares).collect()
 }
@@ -103,8 +103,11 @@ impl Search {
                 .package_path
                 .iter()
                 .map(|folder| folder.canonicalize().unwrap_or_else(|_| folder.clone()))
-                .chain(ros_folders(variable("ROS_PACKAGE_PATH"), variable("AMENT_PREFIX_PATH")))
-                .chain(GAZEBO_PATHS.iter().flat_map(|name| absolute_folders(variable(name))))
+                .chain(ros_folders(
+                    variable("ROS_PACKAGE_PATH").as_ref(),
+                    variable("AMENT_PREFIX_PATH").as_ref(),
+                ))
+                .chain(GAZEBO_PATHS.iter().flat_map(|name| absolute_folders(variable(name).as_ref())))
                 .collect(),
             confined: options.confined,
             root: folder,
@@ -225,7 +228,7 @@ mod tests {
         let share = root.join("install/share/arm_description/meshes");
         fs::create_dir_all(&share).unwrap();
         fs::write(share.join("hand.stl"), b"").unwrap();
-        let packages = super::ros_folders(None, Some(root.join("install").into_os_string()));
+        let packages = super::ros_folders(None, Some(&root.join("install").into_os_string()));
         let ament = Search { packages, ..Search::from(Some(&elsewhere), &LoadOptions::default()) };
         assert_eq!(ament.find("package://arm_description/meshes/hand.stl"), Some(share.join("hand.stl")));
         // A file outside the folder of the robot is not taken if reading is confined.

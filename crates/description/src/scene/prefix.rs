@@ -96,7 +96,9 @@ impl Renaming<'_> {
         }
         for SpatialTendonDescription { name, path, .. } in spatial_tendons {
             self.object(name);
-            path.iter_mut().for_each(|element| self.path_element(element));
+            for element in path {
+                self.path_element(element);
+            }
         }
         for equality in equalities {
             self.equality(equality);
@@ -118,7 +120,9 @@ impl Renaming<'_> {
         }
         for NamedPose { name, positions, velocities, group, controls: _ } in poses {
             self.object(name);
-            group.iter_mut().for_each(|group| self.object(group));
+            if let Some(group) = group {
+                self.object(group);
+            }
             for (joint, _) in positions.iter_mut().chain(velocities) {
                 self.object(joint);
             }

@@ -60,7 +60,7 @@ impl Parts<'_> {
             }
         };
         let surface = match reader.child(element, "surface") {
-            Some(surface) if role == ShapeRole::Collision => self.surface(reader, &surface),
+            Some(surface) if role == ShapeRole::Collision => read_surface(reader, &surface),
             _ => Surface::default(),
         };
         Some(SdfShape {
@@ -121,61 +121,6 @@ impl Parts<'_> {
         };
         Ok(Some((shape, Pose::IDENTITY)))
     }
-
-    /// Friction and masks of a collision shape. Other parameters belong to one physics engine each.
-    fn surface<'a>(&mut self, reader: &mut Reader<'a>, element: &Element<'a>) -> Surface {
-        let mut surface = Surface::default();
-        let known = ["friction", "contact", "bounce", "soft_contact"];
-        reader.list_unread(element, &[], &known, UnknownPart::Harmless);
-        if let Some(friction) = reader.child(element, "friction") {
-            if let Some(ode) = reader.child(&friction, "ode")
-                && let Some(mu) = reader.child_number(&ode, "mu")
-            {
-                surface.friction[0] = mu.abs();
-            }
-            if let Some(torsional) = reader.child(&friction, "torsional")
-                && let Some(coefficient) = reader.child_number(&torsional, "coefficient")
-            {
-                surface.friction[1] = coefficient.abs();
-            }
-        }
-        if let Some(contact) = reader.child(element, "contact") {
-            let is_off = reader.child_flag(&contact, "collide_without_contact") == Some(true)
-                || reader
-                    .child_text(&contact, "collide_bitmask")
-                    .is_some_and(|(_, mask)| matches!(mask, "0" | "0x0" | "0x00"));
-            if is_off {
-                (surface.contype, surface.conaffinity) = (0, 0);
-            }
-        }
-        let of_an_engine = [
-            "mu2",
-            "fdir1",
-            "slip1",
-            "slip2",
-            "bullet",
-            "kp",
-            "kd",
-            "soft_cfm",
-            "soft_erp",
-            "poissons_ratio",
-        ];
-        let is_left_out = |node: &Node<'a, 'a>| of_an_engine.contains(&node.tag_name().name());
-        if element.node.descendants().any(|node| is_left_out(&node)) {
-            let (line, place) = (element.line, element.place.clone());
-            reader.report_ignored(line, place, "contact parameters of one physics engine");
-        }
-        for name in ["bounce", "soft_contact"] {
-            if let Some(part) = reader.child(element, name) {
-                reader.report_ignored(
-                    part.line,
-                    part.place,
-                    "a contact parameter that the model does not have",
-                );
-            }
-        }
-        surface
-    }
 }
 
 /// The diffuse colour of a visual.
@@ -187,4 +132,45 @@ fn color<'a>(reader: &Reader<'a>, visual: Node<'a, 'a>) -> Option<[f64; 4]> {
         let [red, green, blue] = parse_numbers(text).ok()?;
         Some([red, green, blue, 1.0])
     })
+}
+
+/// Friction and masks of a collision shape. Other parameters belong to one physics engine each.
+fn read_surface<'a>(reader: &mut Reader<'a>, element: &Element<'a>) -> Surface {
+    let mut surface = Surface::default();
+    let known = ["friction", "contact", "bounce", "soft_contact"];
+    reader.list_unread(element, &[], &known, UnknownPart::Harmless);
+    if let Some(friction) = reader.child(element, "friction") {
+        if let Some(ode) = reader.child(&friction, "ode")
+            && let Some(mu) = reader.child_number(&ode, "mu")
+        {
+            surface.friction[0] = mu.abs();
+        }
+        if let Some(torsional) = reader.child(&friction, "torsional")
+            && let Some(coefficient) = reader.child_number(&torsional, "coefficient")
+        {
+            surface.friction[1] = coefficient.abs();
+        }
+    }
+    if let Some(contact) = reader.child(element, "contact") {
+        let is_off = reader.child_flag(&contact, "collide_without_contact") == Some(true)
+            || reader
+                .child_text(&contact, "collide_bitmask")
+                .is_some_and(|(_, mask)| matches!(mask, "0" | "0x0" | "0x00"));
+        if is_off {
+            (surface.contype, surface.conaffinity) = (0, 0);
+        }
+    }
+    let of_an_engine =
+        ["mu2", "fdir1", "slip1", "slip2", "bullet", "kp", "kd", "soft_cfm", "soft_erp", "poissons_ratio"];
+    let is_left_out = |node: &Node<'a, 'a>| of_an_engine.contains(&node.tag_name().name());
+    if element.node.descendants().any(|node| is_left_out(&node)) {
+        let (line, place) = (element.line, element.place.clone());
+        reader.report_ignored(line, place, "contact parameters of one physics engine");
+    }
+    for name in ["bounce", "soft_contact"] {
+        if let Some(part) = reader.child(element, name) {
+            reader.report_ignored(part.line, part.place, "a contact parameter that the model does not have");
+        }
+    }
+    surface
 }

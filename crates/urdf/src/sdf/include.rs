@@ -225,11 +225,10 @@ fn main_file(text: &str) -> Option<String> {
 /// The paths in memory that a reference may mean, from the file at `from`.
 fn memory_candidates(from: &Path, uri: &str) -> Vec<PathBuf> {
     let folder = from.parent().unwrap_or(Path::new(""));
-    match uri.strip_prefix("model://").or_else(|| uri.strip_prefix("package://")) {
-        Some(name) => folder.ancestors().map(|above| above.join(name)).collect(),
-        None => {
-            let name = uri.strip_prefix("file://").unwrap_or(uri);
-            robot_dynamics_xml::spellings(name).map(|name| folder.join(name)).collect()
-        }
+    if let Some(name) = uri.strip_prefix("model://").or_else(|| uri.strip_prefix("package://")) {
+        folder.ancestors().map(|above| above.join(name)).collect()
+    } else {
+        let name = uri.strip_prefix("file://").unwrap_or(uri);
+        robot_dynamics_xml::spellings(name).map(|name| folder.join(name)).collect()
     }
 }

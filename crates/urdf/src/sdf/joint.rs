@@ -31,7 +31,7 @@ impl Parts<'_> {
             "gearbox_reference_body",
         ];
         reader.list_unread(element, &["name", "type"], &known, UnknownPart::Physics);
-        let name = self.own_name(reader, element);
+        let name = reader.own_name(element);
         let full = format!("{}{name}", scope.prefix);
         let written_type = reader.required_text(element, "type", "type=\"revolute\" or another joint type");
         let (kind, axis_count) = match written_type.unwrap_or("fixed") {
@@ -203,7 +203,10 @@ fn limits<'a>(reader: &mut Reader<'a>, element: &Element<'a>, kind: JointType) -
     }
     // A negative bound is none.
     let [effort, velocity] = ["effort", "velocity"].map(|name| {
-        reader.child_bound(element, name).filter(|bound| !(*bound < 0.0)).unwrap_or(f64::INFINITY)
+        reader
+            .child_bound(element, name)
+            .filter(|bound| *bound >= 0.0 || bound.is_nan())
+            .unwrap_or(f64::INFINITY)
     });
     for (name, bound, meaning) in [
         ("effort", effort, "so that the motor has no force"),

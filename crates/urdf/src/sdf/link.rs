@@ -40,7 +40,7 @@ impl Parts<'_> {
     ) -> usize {
         let known = ["pose", "inertial", "collision", "visual", "gravity", "kinematic", "velocity_decay"];
         reader.list_unread(element, &["name"], &[&known[..], &LINK_NOTES].concat(), UnknownPart::Harmless);
-        let name = self.own_name(reader, element);
+        let name = reader.own_name(element);
         let full = format!("{}{name}", scope.prefix);
         let written = reader.pose(element);
         let relative_to = written.relative_to.map_or(Target::Id(scope.model), |name| scope.target(name));
@@ -136,7 +136,7 @@ impl Parts<'_> {
             return None;
         }
         if element.text("auto").and_then(|text| reader.flag(&element, text)) == Some(true) {
-            return self.automatic(reader, &element, mass, shapes, collisions);
+            return automatic(reader, &element, mass, shapes, collisions);
         }
         if mass.is_none() {
             reader.report_default(&element, "no <mass>: 1 kg, the default of SDF");
@@ -158,53 +158,43 @@ impl Parts<'_> {
         let inertial = Inertial { element, mass: mass.unwrap_or(1.0), inertia, pose: written.pose };
         reader.mass_properties(&inertial, 0.0)
     }
+}
 
-    /// The mass properties of the collision shapes, scaled to a mass if the link states one.
-    fn automatic<'a>(
-        &mut self,
-        reader: &mut Reader<'a>,
-        element: &Element<'a>,
-        mass: Option<f64>,
-        shapes: &[SdfShape],
-        collisions: &[(Element<'a>, usize)],
-    ) -> Option<MassProperties> {
-        let density = reader.child_number(element, "density").unwrap_or(DENSITY);
-        let mut whole: Option<MassProperties> = None;
-        for (part, index) in collisions {
-            let shape = &shapes[*index];
-            let own = reader.child_number(part, "density").unwrap_or(density);
-            let solid = shape.shape.solid(own);
-            let Some(Ok(solid)) = solid else {
-                let reason =
-                    "the inertia of this shape is not computed; give <mass> and <inertia> of the link";
-                reader.refuse_sdf(part, reason);
-                continue;
-            };
-            if shape.relative_to.is_some() {
-                reader.refuse_sdf(
-                    part,
-                    "auto inertia needs poses of <collision> in the link; delete relative_to",
-                );
-            }
-            let Pose { rotation, translation } = shape.pose;
-            let rotation =
-                nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| rotation[i][j]));
-            let placed = solid.transformed(&rotation, &nalgebra::Vector3::from(translation));
-            whole = Some(whole.map_or(placed, |whole| whole.combine(&placed)));
-        }
-        let Some(whole) = whole else {
-            reader.report_default(element, "auto, without <collision>: 1 kg and moments of 1 kg·m²");
-            return MassProperties::as_written(1.0, nalgebra::Vector3::zeros(), Matrix3::identity()).ok();
+/// The mass properties of the collision shapes, scaled to a mass if the link states one.
+fn automatic<'a>(
+    reader: &mut Reader<'a>,
+    element: &Element<'a>,
+    mass: Option<f64>,
+    shapes: &[SdfShape],
+    collisions: &[(Element<'a>, usize)],
+) -> Option<MassProperties> {
+    let density = reader.child_number(element, "density").unwrap_or(DENSITY);
+    let mut whole: Option<MassProperties> = None;
+    for (part, index) in collisions {
+        let shape = &shapes[*index];
+        let own = reader.child_number(part, "density").unwrap_or(density);
+        let solid = shape.shape.solid(own);
+        let Some(Ok(solid)) = solid else {
+            let reason = "the inertia of this shape is not computed; give <mass> and <inertia> of the link";
+            reader.refuse_sdf(part, reason);
+            continue;
         };
-        reader
-            .report_read(element, format!("mass {} kg and inertia from the collision shapes", whole.mass()));
-        let Some(mass) = mass else { return Some(whole) };
-        let factor = mass / whole.mass();
-        MassProperties::as_written(
-            mass,
-            whole.center_of_mass(),
-            whole.inertia_about_center_of_mass() * factor,
-        )
-        .ok()
+        if shape.relative_to.is_some() {
+            reader
+                .refuse_sdf(part, "auto inertia needs poses of <collision> in the link; delete relative_to");
+        }
+        let Pose { rotation, translation } = shape.pose;
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| rotation[i][j]));
+        let placed = solid.transformed(&rotation, &nalgebra::Vector3::from(translation));
+        whole = Some(whole.map_or(placed, |whole| whole.combine(&placed)));
     }
+    let Some(whole) = whole else {
+        reader.report_default(element, "auto, without <collision>: 1 kg and moments of 1 kg·m²");
+        return MassProperties::as_written(1.0, nalgebra::Vector3::zeros(), Matrix3::identity()).ok();
+    };
+    reader.report_read(element, format!("mass {} kg and inertia from the collision shapes", whole.mass()));
+    let Some(mass) = mass else { return Some(whole) };
+    let factor = mass / whole.mass();
+    MassProperties::as_written(mass, whole.center_of_mass(), whole.inertia_about_center_of_mass() * factor)
+        .ok()
 }

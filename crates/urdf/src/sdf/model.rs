@@ -84,18 +84,6 @@ impl Parts<'_> {
         id
     }
 
-    /// The name of an element, which may not be one of those that SDF reserves.
-    pub(super) fn own_name<'a>(&self, reader: &mut Reader<'a>, element: &Element<'a>) -> &'a str {
-        let name = reader.required_name(element, "name", "name=\"NAME\"");
-        let is_reserved = name == "world" || (name.starts_with("__") && name.ends_with("__"));
-        if is_reserved || name.contains("::") {
-            let reason = format!("the name {:?} is reserved or contains `::`; rename it", excerpt(name));
-            reader.refuse_sdf(element, reason);
-            return "";
-        }
-        name
-    }
-
     /// Reads a model inside `around`.
     pub(super) fn model<'a>(
         &mut self,
@@ -118,19 +106,18 @@ impl Parts<'_> {
             &[&children[..], &MODEL_NOTES].concat(),
             UnknownPart::Harmless,
         );
-        let own = self.own_name(reader, element);
+        let own = reader.own_name(element);
         let name = overrides.name.as_deref().unwrap_or(own);
         let merge = element.text("merge").and_then(|text| reader.flag(element, text)) == Some(true);
         let merges = overrides.merges || merge;
         let is_static = overrides.is_static.or(reader.child_flag(element, "static")).unwrap_or(false);
         let self_collides = reader.child_flag(element, "self_collide").unwrap_or(false);
         let written = reader.pose(element);
-        let (relative_to, pose) = match &overrides.pose {
-            Some((target, pose)) => (target.clone(), *pose),
-            None => {
-                let target = written.relative_to.map_or(Target::Id(around.model), |name| around.target(name));
-                (target, written.pose)
-            }
+        let (relative_to, pose) = if let Some((target, pose)) = &overrides.pose {
+            (target.clone(), *pose)
+        } else {
+            let target = written.relative_to.map_or(Target::Id(around.model), |name| around.target(name));
+            (target, written.pose)
         };
         let prefix = match (is_top, merges) {
             (true, _) | (_, true) => around.prefix.clone(),
@@ -217,7 +204,7 @@ impl Parts<'_> {
 
     fn frame<'a>(&mut self, reader: &mut Reader<'a>, element: &Element<'a>, scope: &Scope) {
         reader.list_unread(element, &["name", "attached_to"], &["pose"], UnknownPart::Harmless);
-        let name = self.own_name(reader, element);
+        let name = reader.own_name(element);
         let attached = element.text("attached_to").filter(|name| !name.trim().is_empty());
         let attached = attached.map_or(Target::Id(scope.model), |name| scope.target(name.trim()));
         let written = reader.pose(element);

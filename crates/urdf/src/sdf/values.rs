@@ -109,6 +109,18 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// The name of an element, which may not be one of those that SDF reserves.
+    pub(super) fn own_name(&mut self, element: &Element<'a>) -> &'a str {
+        let name = self.required_name(element, "name", "name=\"NAME\"");
+        let is_reserved = name == "world" || (name.starts_with("__") && name.ends_with("__"));
+        if is_reserved || name.contains("::") {
+            let reason = format!("the name {:?} is reserved or contains `::`; rename it", excerpt(name));
+            self.refuse_sdf(element, reason);
+            return "";
+        }
+        name
+    }
+
     /// The `<pose>` of an element: x y z, then roll, pitch and yaw or a quaternion.
     pub(super) fn pose(&mut self, parent: &Element<'a>) -> RelativePose<'a> {
         let Some(element) = self.child(parent, "pose") else {
@@ -121,8 +133,7 @@ impl<'a> Reader<'a> {
         let text = element.node.text().unwrap_or_default().trim();
         let degrees = element.text("degrees").and_then(|text| self.flag(&element, text)) == Some(true);
         let pose = match element.text("rotation_format").unwrap_or("euler_rpy") {
-            "euler_rpy" if text.is_empty() => Pose::IDENTITY,
-            "quat_xyzw" if text.is_empty() => Pose::IDENTITY,
+            "euler_rpy" | "quat_xyzw" if text.is_empty() => Pose::IDENTITY,
             "euler_rpy" => {
                 let [x, y, z, angles @ ..] = self.text_numbers::<6>(&element, "pose", text);
                 Pose::from_xyz_rpy([x, y, z], if degrees { angles.map(f64::to_radians) } else { angles })

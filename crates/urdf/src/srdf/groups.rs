@@ -97,6 +97,7 @@ impl<'a> Semantics<'a, '_> {
     }
 
     /// The index of a joint. `Some(None)` is a fixed virtual joint, which the robot does not have.
+    #[allow(clippy::option_option)] // an unknown joint, a joint that the robot lacks, and a joint
     pub(super) fn joint_index(&mut self, element: &Element<'a>, name: &str) -> Option<Option<usize>> {
         match self.virtual_names.get(name) {
             Some(None) => Some(None),

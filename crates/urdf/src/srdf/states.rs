@@ -112,7 +112,9 @@ impl<'a> Semantics<'a, '_> {
                 self.refuse(element, "the quaternion is zero; write 0 0 0 1 for no rotation".to_owned());
                 return None;
             }
-            quaternion.iter_mut().for_each(|x| *x /= norm);
+            for x in quaternion.iter_mut() {
+                *x /= norm;
+            }
         }
         Some((own_name, position))
     }

@@ -112,7 +112,7 @@ impl EllipsoidLaw {
         if size > 0.0 {
             moment_by_w -= w * (turned.component_mul(&self.turning) / size).transpose();
         }
-        blocks([[force_by_v, force_by_w], [moment_by_v, moment_by_w]])
+        blocks(&[[force_by_v, force_by_w], [moment_by_v, moment_by_w]])
     }
 
     /// That of the drag with a constant area, and with the mean drag of rotations: it agrees with minus the
@@ -126,7 +126,7 @@ impl EllipsoidLaw {
         let drag = speed * self.quadratic_drag(area).max(0.0);
         let turning = self.turning.component_mul(w).norm();
         let zero = Matrix3::zeros();
-        blocks([[of(self.viscous[0], drag, v), zero], [zero, of(self.viscous[1], turning, w)]])
+        blocks(&[[of(self.viscous[0], drag, v), zero], [zero, of(self.viscous[1], turning, w)]])
     }
 
     /// p and L of the added mass.
@@ -173,6 +173,6 @@ impl EllipsoidLaw {
 }
 
 /// The matrix of these blocks.
-fn blocks(blocks: [[Matrix3<f64>; 2]; 2]) -> Matrix6<f64> {
+fn blocks(blocks: &[[Matrix3<f64>; 2]; 2]) -> Matrix6<f64> {
     Matrix6::from_fn(|i, j| blocks[i / 3][j / 3][(i % 3, j % 3)])
 }
