@@ -4,6 +4,7 @@
 //! By default 400 files of each kind are made from fixed seeds. `MUTANTS=100000 cargo test -p robot-dynamics
 //! --test mutants` makes that many.
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
 use robot_dynamics::model::Model;
@@ -106,13 +107,13 @@ fn written(parts: &[Part], text: &mut String) {
         match part {
             Part::Text(words) => text.push_str(&escaped(words)),
             Part::Element { tag, attributes, parts } => {
-                *text += &format!("<{tag}");
+                write!(text, "<{tag}").expect("to a string");
                 for (name, value) in attributes {
-                    *text += &format!(" {name}=\"{}\"", escaped(value));
+                    write!(text, " {name}=\"{}\"", escaped(value)).expect("to a string");
                 }
                 text.push('>');
                 written(parts, text);
-                *text += &format!("</{tag}>");
+                write!(text, "</{tag}>").expect("to a string");
             }
         }
     }

@@ -207,12 +207,13 @@ fn scenes_nest_but_not_without_end() {
     let itself = refused("<scene><robot file='cell.scene.xml' prefix='a'/></scene>");
     assert!(itself[0].contains("scenes are nested deeper than 8 levels"), "{itself:?}");
     // 40⁶ copies of a robot with 2000 links: the sum of all parts has a limit.
-    let links: String = (0..2000).map(|k| format!("<link name='l{k}'/>")).collect();
+    let links = (0..2000).map(|k| format!("<link name='l{k}'/>")).collect::<Vec<_>>().concat();
     let joint =
         |k: usize| format!("<joint name='j{k}' type='fixed'><parent link='l0'/><child link='l{k}'/></joint>");
-    let joints: String = (1..2000).map(joint).collect();
+    let joints = (1..2000).map(joint).collect::<Vec<_>>().concat();
     files.insert("large.urdf", format!("<robot name='large'>{links}{joints}</robot>"));
-    let copies: String = (0..40).map(|k| format!("<robot file='{{}}' prefix='p{k}_'/>")).collect();
+    let copy = |k: usize| format!("<robot file='{{}}' prefix='p{k}_'/>");
+    let copies = (0..40).map(copy).collect::<Vec<_>>().concat();
     for level in 0..6 {
         let next = if level == 5 { "large.urdf".to_owned() } else { format!("level{}.xml", level + 1) };
         files.insert(format!("level{level}.xml"), format!("<scene>{}</scene>", copies.replace("{}", &next)));
@@ -243,16 +244,10 @@ fn mesh_objects_have_the_mass_of_their_solid() {
     let folder = folder("mesh");
     let path = folder.join("box.obj");
     let corner = |k: usize| [(k & 1) as f64 * 0.2, ((k >> 1) & 1) as f64 * 0.4, ((k >> 2) & 1) as f64 * 0.6];
-    let mut text: String = (0..8)
-        .map(|k| {
-            let [x, y, z] = corner(k);
-            format!("v {x} {y} {z}\n")
-        })
-        .collect();
-    for face in ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"] {
-        text += &format!("f {face}\n");
-    }
-    std::fs::write(&path, &text).expect("a file");
+    let corners = (0..8).map(corner).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
+    let lines: Vec<String> = corners.chain(faces.map(|face| format!("f {face}\n"))).collect();
+    std::fs::write(&path, lines.concat()).expect("a file");
     let cuboid = Shape::Box { size: [0.2, 0.4, 0.6] };
     let expected = cuboid.solid(500.0).expect("a volume").expect("a density");
     for (scale, solid) in
@@ -271,13 +266,12 @@ fn mesh_objects_have_the_mass_of_their_solid() {
         let by_mass = by_mass.mass_properties.expect("a mass").inertia_about_center_of_mass();
         assert!((by_mass - expected.inertia_about_center_of_mass()).amax() < 1e-6);
     }
-    let open: String = text.lines().take(13).map(|line| format!("{line}\n")).collect();
-    std::fs::write(&path, open).expect("a file");
+    std::fs::write(&path, lines[..13].concat()).expect("a file");
     let refused = mesh_object("crate", &path, [1.0; 3], MeshMass::Mass(1.0), MeshSolid::Exact).unwrap_err();
     assert!(refused.to_string().contains("open at 4 edges"), "{refused}");
     mesh_object("crate", &path, [1.0; 3], MeshMass::Mass(1.0), MeshSolid::Hull).expect("its hull");
     // In a scene's file the shape and the mass are the same, and the hull of the mesh touches the ground.
-    std::fs::write(&path, &text).expect("a file");
+    std::fs::write(&path, lines.concat()).expect("a file");
     let scene =
         r#"<scene><ground/><mesh name="crate" file="box.obj" scale="0.5" mass="2" xyz="0 0 0.01"/></scene>"#;
     std::fs::write(folder.join("s.xml"), scene).expect("a file");

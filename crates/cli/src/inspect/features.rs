@@ -175,9 +175,8 @@ fn groups(robot: &RobotDescription) -> String {
     for group in &robot.groups {
         let (links, joints) = (count(group.links.len(), "link"), count(group.joints.len(), "joint"));
         let tools = robot.end_effectors.iter().filter(|tool| tool.group == group.name);
-        let tools: String =
-            tools.map(|tool| format!("; end effector {} on {}", tool.name, tool.parent_link)).collect();
-        let line = format!("{}: {links}, {joints}{tools}", group.name);
+        let tools = tools.map(|tool| format!("; end effector {} on {}", tool.name, tool.parent_link));
+        let line = format!("{}: {links}, {joints}{}", group.name, tools.collect::<Vec<_>>().concat());
         let _ = writeln!(text, "  {}", one_line(&line));
     }
     if text.is_empty() { text } else { format!("Groups:\n{text}") }

@@ -94,7 +94,9 @@ impl Reader<'_, '_> {
         match self.read_file(&text, &source, &options) {
             Ok(read) => Some((read, mount)),
             Err(messages) => {
-                messages.into_iter().for_each(|message| attributes.refuse(message));
+                for message in messages {
+                    attributes.refuse(message);
+                }
                 None
             }
         }
@@ -128,7 +130,8 @@ impl Reader<'_, '_> {
             self.faults.push(SceneFault::new(line, place, error.to_string()));
             return;
         }
-        for note in self.scene.notes()[notes..].to_vec() {
+        let added = self.scene.notes()[notes..].to_vec();
+        for note in added {
             self.warn(line, place, note);
         }
         self.add_report(line, place, &report);
@@ -190,7 +193,7 @@ impl Reader<'_, '_> {
             }
         };
         let source = self.source.find(file);
-        let mesh = source.as_ref().map_err(Clone::clone).and_then(|source| source.mesh());
+        let mesh = source.as_ref().map_err(Clone::clone).and_then(super::source::Source::mesh);
         let numbers = mesh.as_ref().map_or(0, |mesh| 3 * (mesh.points.len() + mesh.faces.len()));
         if !self.charge(attributes.line, &attributes.place, Resource::Numbers, numbers) {
             return None;

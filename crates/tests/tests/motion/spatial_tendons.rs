@@ -9,6 +9,10 @@ use robot_dynamics::model::{Model, integrate, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Actuation, Effect, Integrator, Method, Run, RunOptions, SimulationBuilder};
 
+fn below(random: &mut SplitMix64, count: usize) -> usize {
+    usize::try_from(random.next_u64() % count as u64).unwrap()
+}
+
 /// A random robot with tendons through points of its links and around spheres and cylinders, over pulleys,
 /// with and without points that give the side.
 fn with_tendons(seed: u64) -> RobotDescription {
@@ -22,7 +26,7 @@ fn with_tendons(seed: u64) -> RobotDescription {
     for number in 0..4 {
         let point = |robot: &mut RobotDescription, random: &mut SplitMix64| {
             let name = format!("point_{number}_{}", robot.frames.len());
-            let link = &links[(random.next_u64() % links.len() as u64) as usize];
+            let link = &links[below(random, links.len())];
             let place = pose(random, 0.5);
             robot.frames.push(FrameDescription::new(name.clone(), link.clone(), place));
             name
@@ -32,7 +36,7 @@ fn with_tendons(seed: u64) -> RobotDescription {
             if number != 0 {
                 let surface = [TendonSurface::Sphere, TendonSurface::Cylinder][part % 2];
                 let side = (part == 2).then(|| point(&mut robot, &mut random));
-                let link = links[(random.next_u64() % links.len() as u64) as usize].clone();
+                let link = links[below(&mut random, links.len())].clone();
                 let link_from_surface = Pose::from_translation([0.1, 0.0, -0.1]);
                 let radius = random.uniform(0.1, 0.4);
                 path.push(TendonPathElement::Surface { link, link_from_surface, surface, radius, side });
@@ -154,10 +158,9 @@ const ARM: &str = r#"<mujoco><compiler angle="radian"/><worldbody>
       divisor="2"/><site site="hook"/><site site="end"/></spatial>
   </tendon></mujoco>"#;
 
-fn run(model: &Model, method: Method, h: f64, duration: f64) -> Run {
+fn run(model: &Model, method: Method, h: f64, steps: usize) -> Run {
     let mut simulation =
         SimulationBuilder::new(model).dt(h).method(method).without(Effect::Contacts).build().unwrap();
-    let steps = (duration / h).round() as usize;
     let v: Vec<f64> = (0..model.nv()).map(|k| 2.0 * (k as f64).cos()).collect();
     simulation.run_steps_from(&neutral(model), &v, steps, RunOptions::new().sample_ends()).unwrap()
 }
@@ -167,10 +170,10 @@ fn run(model: &Model, method: Method, h: f64, duration: f64) -> Run {
 #[test]
 fn all_methods_reach_one_motion_and_account_for_its_energy() {
     let model = Model::new(parse(ARM, &LoadOptions::default()).unwrap().description).unwrap();
-    let exact = run(&model, Method::Fixed(Integrator::RungeKutta4), 1e-4, 0.5);
+    let exact = run(&model, Method::Fixed(Integrator::RungeKutta4), 1e-4, 5000);
     let distance = |run: &Run| run.q.iter().zip(&exact.q).map(|(a, b)| (a - b).abs()).fold(0.0_f64, f64::max);
     for (method, order) in [(Method::Implicit, 2), (Method::Mujoco, 1)] {
-        let [coarse, fine] = [1e-3, 5e-4].map(|h| run(&model, method, h, 0.5));
+        let [coarse, fine] = [(1e-3, 500), (5e-4, 1000)].map(|(h, steps)| run(&model, method, h, steps));
         let ratio = distance(&coarse) / distance(&fine);
         println!("{method:?}: {:e} {:e}", distance(&coarse), distance(&fine));
         assert!(ratio > 0.9 * f64::from(1 << order), "{method:?}: {ratio}");
@@ -183,7 +186,7 @@ fn all_methods_reach_one_motion_and_account_for_its_energy() {
     assert!(account.max_imbalance() < 1e-8 * account.scale(), "{:e}", account.max_imbalance());
     #[cfg(feature = "adaptive")]
     {
-        let adaptive = run(&model, Method::Adaptive, 1e-2, 0.5);
+        let adaptive = run(&model, Method::Adaptive, 1e-2, 50);
         assert!(distance(&adaptive) < 1e-6, "{:e}", distance(&adaptive));
     }
 }

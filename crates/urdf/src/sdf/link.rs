@@ -95,7 +95,7 @@ impl Parts<'_> {
                 shapes.push(shape);
             }
         }
-        let mass_properties = self.inertial(reader, element, &shapes, &collisions);
+        let mass_properties = mass_properties_of(reader, element, &shapes, &collisions);
         let is_static = scope.is_static;
         self.links.push(SdfLink {
             name: full,
@@ -109,55 +109,54 @@ impl Parts<'_> {
         });
         index
     }
+}
 
-    /// The mass properties of a link: by default 1 kg with moments of 1 kg m².
-    fn inertial<'a>(
-        &mut self,
-        reader: &mut Reader<'a>,
-        link: &Element<'a>,
-        shapes: &[SdfShape],
-        collisions: &[(Element<'a>, usize)],
-    ) -> Option<MassProperties> {
-        let Some(element) = reader.child(link, "inertial") else {
-            reader.report_default(link, "no <inertial>: 1 kg and moments of 1 kg·m², the default of SDF");
-            return MassProperties::as_written(1.0, nalgebra::Vector3::zeros(), Matrix3::identity()).ok();
-        };
-        let known = ["pose", "mass", "inertia", "density", "auto_inertia_params"];
-        reader.list_unread(&element, &["auto"], &known, UnknownPart::Physics);
-        let written = reader.pose(&element);
-        if written.relative_to.is_some_and(|name| Some(name) != link.text("name")) {
-            reader.refuse_sdf(&element, "the pose of <inertial> is that in its link; delete relative_to");
-        }
-        let mass = reader.child_number(&element, "mass");
-        if let Some(mass) = mass.filter(|mass| *mass < 0.0) {
-            let (line, place) = (element.line, element.place.clone());
-            let advice = "correct its sign";
-            reader.refuse(UrdfError::Negative { line, place, attribute: "mass".into(), value: mass, advice });
-            return None;
-        }
-        if element.text("auto").and_then(|text| reader.flag(&element, text)) == Some(true) {
-            return automatic(reader, &element, mass, shapes, collisions);
-        }
-        if mass.is_none() {
-            reader.report_default(&element, "no <mass>: 1 kg, the default of SDF");
-        }
-        let inertia = match reader.child(&element, "inertia") {
-            None => {
-                reader.report_default(&element, "no <inertia>: moments of 1 kg·m², the default of SDF");
-                Matrix3::identity()
-            }
-            Some(entries) => {
-                let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-                reader.list_unread(&entries, &[], &names, UnknownPart::Physics);
-                let [xx, xy, xz, yy, yz, zz] = names.map(|name| reader.child_number(&entries, name));
-                let [xx, yy, zz] = [xx, yy, zz].map(|moment| moment.unwrap_or(1.0));
-                let [xy, xz, yz] = [xy, xz, yz].map(Option::unwrap_or_default);
-                Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-            }
-        };
-        let inertial = Inertial { element, mass: mass.unwrap_or(1.0), inertia, pose: written.pose };
-        reader.mass_properties(&inertial, 0.0)
+/// The mass properties of a link: by default 1 kg with moments of 1 kg m².
+fn mass_properties_of<'a>(
+    reader: &mut Reader<'a>,
+    link: &Element<'a>,
+    shapes: &[SdfShape],
+    collisions: &[(Element<'a>, usize)],
+) -> Option<MassProperties> {
+    let Some(element) = reader.child(link, "inertial") else {
+        reader.report_default(link, "no <inertial>: 1 kg and moments of 1 kg·m², the default of SDF");
+        return MassProperties::as_written(1.0, nalgebra::Vector3::zeros(), Matrix3::identity()).ok();
+    };
+    let known = ["pose", "mass", "inertia", "density", "auto_inertia_params"];
+    reader.list_unread(&element, &["auto"], &known, UnknownPart::Physics);
+    let written = reader.pose(&element);
+    if written.relative_to.is_some_and(|name| Some(name) != link.text("name")) {
+        reader.refuse_sdf(&element, "the pose of <inertial> is that in its link; delete relative_to");
     }
+    let mass = reader.child_number(&element, "mass");
+    if let Some(mass) = mass.filter(|mass| *mass < 0.0) {
+        let (line, place) = (element.line, element.place.clone());
+        let advice = "correct its sign";
+        reader.refuse(UrdfError::Negative { line, place, attribute: "mass".into(), value: mass, advice });
+        return None;
+    }
+    if element.text("auto").and_then(|text| reader.flag(&element, text)) == Some(true) {
+        return automatic(reader, &element, mass, shapes, collisions);
+    }
+    if mass.is_none() {
+        reader.report_default(&element, "no <mass>: 1 kg, the default of SDF");
+    }
+    let inertia = match reader.child(&element, "inertia") {
+        None => {
+            reader.report_default(&element, "no <inertia>: moments of 1 kg·m², the default of SDF");
+            Matrix3::identity()
+        }
+        Some(entries) => {
+            let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+            reader.list_unread(&entries, &[], &names, UnknownPart::Physics);
+            let [xx, xy, xz, yy, yz, zz] = names.map(|name| reader.child_number(&entries, name));
+            let [xx, yy, zz] = [xx, yy, zz].map(|moment| moment.unwrap_or(1.0));
+            let [xy, xz, yz] = [xy, xz, yz].map(Option::unwrap_or_default);
+            Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+        }
+    };
+    let inertial = Inertial { element, mass: mass.unwrap_or(1.0), inertia, pose: written.pose };
+    reader.mass_properties(&inertial, 0.0)
 }
 
 /// The mass properties of the collision shapes, scaled to a mass if the link states one.
