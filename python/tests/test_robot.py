@@ -145,7 +145,7 @@ def test_an_srdf_file_adds_groups_and_poses(panda: rd.Robot, tmp_path: Path) -> 
     assert robot == rd.loads((ROBOTS / "panda.urdf").read_text(), srdf=text) and panda.groups == {}
     assert pickle.loads(pickle.dumps(robot)).groups == robot.groups
     with pytest.raises(rd.LoadError, match="line 2.*did you mean `panda_joint7`"):
-        rd.loads((ROBOTS / "panda.urdf").read_text(), srdf='<robot name="panda">\n<passive_joint name="panda_joint77"/></robot>')
+        rd.loads((ROBOTS / "panda.urdf").read_text(), srdf='<robot name="panda">\n<passive_joint name="panda_joint7x"/></robot>')
 
 
 def test_sdf_models_are_read(tmp_path: Path) -> None:
