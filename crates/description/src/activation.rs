@@ -101,9 +101,10 @@ impl MuscleActivation {
         }
     }
 
-    /// The classical Runge–Kutta method with steps of 1/200 of the smallest time constant.
+    /// The classical Runge–Kutta method with steps of 1/400 of the smallest time constant. The rate changes up to
+    /// four times as fast as that constant, so a step has an error of about (4/400)⁵/120.
     fn by_small_steps(&self, h: f64, control: f64, mut u: f64) -> f64 {
-        let longest = 0.5 * self.rise.min(self.fall) / 200.0;
+        let longest = 0.5 * self.rise.min(self.fall) / 400.0;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and 1e6
         let count = (h / longest).ceil().clamp(1.0, 1e6) as u32;
         let step = h / f64::from(count);
@@ -151,14 +152,23 @@ fn smooth_step(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The closed forms against the Runge–Kutta method, whose relative error is about (1/200)⁴/120.
+    /// The closed forms against the Runge–Kutta method with steps of 1/4000 of the smallest time constant, whose
+    /// error is about (1/1000)⁴/120. The rounding of a hundred thousand steps is below 1e-12.
     #[test]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most a million parts
     fn muscles_rise_and_fall_as_their_equation_says() {
         let muscle = MuscleActivation { rise: 0.01, fall: 0.04, width: 0.0 };
         for (control, u) in [(1.0, 0.0), (0.6, 0.2), (0.3, 0.9), (0.0, 1.0), (0.4, 0.4), (0.0, 0.0)] {
-            for h in [1e-5, 0.002, 0.05, 0.4] {
-                let (closed, stepped) = (muscle.after(h, control, u), muscle.by_small_steps(h, control, u));
-                assert!((closed - stepped).abs() < 2e-11, "{control} {u} {h}: {closed} {stepped}");
+            for h in [1e-5, 0.002, 0.02, 0.1] {
+                let parts = (h / (0.5 * muscle.rise) * 4000.0).ceil();
+                let mut stepped = u;
+                for _ in 0..parts as u32 {
+                    stepped = muscle.by_small_steps(h / parts, control, stepped);
+                }
+                let closed = muscle.after(h, control, u);
+                assert!((closed - stepped).abs() < 1e-12, "{control} {u} {h}: {closed} {stepped}");
+                let coarse = muscle.by_small_steps(h, control, u);
+                assert!((closed - coarse).abs() < 1e-11, "{control} {u} {h}: {closed} {coarse}");
             }
         }
     }

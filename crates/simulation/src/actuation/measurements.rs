@@ -88,7 +88,7 @@ impl Actuation {
     /// use robot_dynamics::simulation::Actuation;
     /// // A cable from the pivot of a pendulum to its tip is always as long as the rod.
     /// let mut robot = pendulum(2.0, 0.5);
-    /// let ends = ["base", "tip"].map(|frame| TendonPathElement::Point { frame: frame.into() });
+    /// let ends = ["ceiling", "tip"].map(|frame| TendonPathElement::Point { frame: frame.into() });
     /// robot.spatial_tendons.push(SpatialTendonDescription::new("cable", ends));
     /// let model = Model::new(robot)?;
     /// let actuation = Actuation::new(&model)?;
