@@ -101,8 +101,8 @@ impl MuscleActivation {
         }
     }
 
-    /// The classical Runge–Kutta method with steps of 1/400 of the smallest time constant. The rate changes up to
-    /// four times as fast as that constant, so a step has an error of about (4/400)⁵/120.
+    /// The classical Runge–Kutta method with steps of 1/400 of the smallest time constant. The rate changes
+    /// up to four times as fast as that constant, so a step has an error of about (4/400)⁵/120.
     fn by_small_steps(&self, h: f64, control: f64, mut u: f64) -> f64 {
         let longest = 0.5 * self.rise.min(self.fall) / 400.0;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and 1e6
@@ -152,8 +152,8 @@ fn smooth_step(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The closed forms against the Runge–Kutta method with steps of 1/4000 of the smallest time constant, whose
-    /// error is about (1/1000)⁴/120. The rounding of a hundred thousand steps is below 1e-12.
+    /// The closed forms against the Runge–Kutta method with steps of 1/4000 of the smallest time constant,
+    /// whose error is about (1/1000)⁴/120. The rounding of a hundred thousand steps is below 1e-12.
     #[test]
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most a million parts
     fn muscles_rise_and_fall_as_their_equation_says() {
