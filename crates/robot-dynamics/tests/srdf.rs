@@ -168,7 +168,7 @@ fn errors_name_the_line_and_the_nearest_name() {
         (r#"<group name="a"><link name="left_lowe"/></group>"#, 2),
         ("<group name=\"left\"/>\n<group_state name=\"s\" group=\"lef\"/>", 3),
         (r#"<end_effector name="e" group="none" parent_link="trunk"/>"#, 2),
-        (r#"<disable_collisions link1="trunk" link2="left_uper"/>"#, 2),
+        (r#"<disable_collisions link1="trunk" link2="left_upp"/>"#, 2),
     ] {
         let refused = refused(&with(elements));
         let [error] = refused.errors() else { panic!("{refused}") };
