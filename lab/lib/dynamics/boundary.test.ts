@@ -28,7 +28,7 @@ describe('the boundary', () => {
   it('rejects an invalid robot file with a reason', () => {
     const { Robot } = loadRobotsFromDisk();
     expect(() => Robot.load('', false, false)).toThrow();
-    expect(() => Robot.load('<sdf/>', false, false)).toThrow(/URDF/);
+    expect(() => Robot.load('<sdf/>', false, false)).toThrow(/model/);
     expect(() => Robot.load('<robot name="r"><link name="a"></robot>', false, false)).toThrow(/line 1/);
   });
 
