@@ -24,7 +24,7 @@ pub enum FileError {
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
     Mjcf(#[from] robot_dynamics_mjcf::LoadError),
-    /// The SRDF file of the robot: see [`LoadOptions::srdf`].
+    /// The SRDF file of the robot: see [`LoadOptions::with_srdf`](crate::LoadOptions::with_srdf).
     #[error("{file}: {source}")]
     Srdf {
         /// Its path; empty for a text.
