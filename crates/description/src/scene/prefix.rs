@@ -85,21 +85,10 @@ impl Renaming<'_> {
                 self.object(shape);
             }
         }
-        for TendonDescription { name, terms, .. } in tendons {
-            self.object(name);
-            for (joint, _) in terms {
-                self.object(joint);
-            }
-        }
         for FluidShape { link, link_from_shape: _, form: _ } in fluid_shapes {
             self.link(link);
         }
-        for SpatialTendonDescription { name, path, .. } in spatial_tendons {
-            self.object(name);
-            for element in path {
-                self.path_element(element);
-            }
-        }
+        self.tendons(tendons, spatial_tendons);
         for equality in equalities {
             self.equality(equality);
         }
@@ -127,6 +116,28 @@ impl Renaming<'_> {
                 self.object(joint);
             }
         }
+        self.groups(groups, end_effectors);
+        for joint in actuated_joints.iter_mut().flatten() {
+            self.object(joint);
+        }
+    }
+
+    fn tendons(&self, tendons: &mut [TendonDescription], spatial_tendons: &mut [SpatialTendonDescription]) {
+        for TendonDescription { name, terms, .. } in tendons {
+            self.object(name);
+            for (joint, _) in terms {
+                self.object(joint);
+            }
+        }
+        for SpatialTendonDescription { name, path, .. } in spatial_tendons {
+            self.object(name);
+            for element in path {
+                self.path_element(element);
+            }
+        }
+    }
+
+    fn groups(&self, groups: &mut [GroupDescription], end_effectors: &mut [EndEffectorDescription]) {
         for GroupDescription { name, links, joints, chains, subgroups } in groups {
             for name in joints.iter_mut().chain(subgroups).chain([name]) {
                 self.object(name);
@@ -140,9 +151,6 @@ impl Renaming<'_> {
                 self.object(name);
             }
             self.link(parent_link);
-        }
-        for joint in actuated_joints.iter_mut().flatten() {
-            self.object(joint);
         }
     }
 

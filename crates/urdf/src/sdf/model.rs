@@ -106,6 +106,27 @@ impl Parts<'_> {
             &[&children[..], &MODEL_NOTES].concat(),
             UnknownPart::Harmless,
         );
+        let id = self.frames.len();
+        let scope = self.add_model(reader, element, around, is_top, overrides);
+        let Some((first_link, first_model)) = self.model_parts(reader, element, &scope) else { return };
+        if element.text("canonical_link").is_none_or(str::is_empty) && !scope.is_static {
+            self.frames[id].attached_to = match (first_link, first_model) {
+                (Some(link), _) => Attachment::Link(link),
+                (None, Some(model)) if model < self.frames.len() => Attachment::Frame(Target::Id(model)),
+                _ => Attachment::World,
+            };
+        }
+    }
+
+    /// Adds the frame of a model. Returns the scope of its elements.
+    fn add_model<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        element: &Element<'a>,
+        around: &Scope,
+        is_top: bool,
+        overrides: &Overrides,
+    ) -> Scope {
         let own = reader.own_name(element);
         let name = overrides.name.as_deref().unwrap_or(own);
         let merge = element.text("merge").and_then(|text| reader.flag(element, text)) == Some(true);
@@ -144,7 +165,17 @@ impl Parts<'_> {
         let frame = Frame { at, relative_to, pose, placement, attached_to };
         let full = if is_top || merges { String::new() } else { format!("{}{name}", around.prefix) };
         self.add_frame(reader, element, FrameKind::Model, &full, frame);
+        scope
+    }
 
+    /// Reads the parts of a model. Returns its first link and the frame of its first model; `None` above a
+    /// limit.
+    fn model_parts<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        element: &Element<'a>,
+        scope: &Scope,
+    ) -> Option<(Option<usize>, Option<FrameId>)> {
         let (mut first_link, mut first_model) = (None, None);
         for node in element.node.children().filter(Node::is_element) {
             if !reader.is_own(node) {
@@ -152,27 +183,27 @@ impl Parts<'_> {
             }
             // An element has at most eight names with the prefix.
             if !self.charge(reader, element, Resource::Characters, 8 * scope.prefix.len()) {
-                return;
+                return None;
             }
             let tag = node.tag_name().name();
             match tag {
                 "link" => {
                     let link = reader.named_element(node, "link");
-                    let index = self.link(reader, &link, &scope);
+                    let index = self.link(reader, &link, scope);
                     first_link = first_link.or(Some(index));
                 }
                 "joint" => {
                     let joint = reader.named_element(node, "joint");
-                    self.joint(reader, &joint, &scope);
+                    self.joint(reader, &joint, scope);
                 }
                 "frame" => {
                     let frame = reader.named_element(node, "frame");
-                    self.frame(reader, &frame, &scope);
+                    self.frame(reader, &frame, scope);
                 }
                 "model" => {
                     let model = reader.named_element(node, "model");
                     first_model = first_model.or(Some(self.frames.len()));
-                    self.model(reader, &model, &scope, false, &Overrides::default());
+                    self.model(reader, &model, scope, false, &Overrides::default());
                 }
                 "include" => {
                     let include = Element {
@@ -181,7 +212,7 @@ impl Parts<'_> {
                         place: format!("{}/include", element.place),
                     };
                     let next = self.frames.len();
-                    self.include(reader, &include, &scope, false);
+                    self.include(reader, &include, scope, false);
                     first_model = first_model.or((self.frames.len() > next).then_some(next));
                 }
                 _ => {
@@ -193,13 +224,7 @@ impl Parts<'_> {
                 }
             }
         }
-        if canonical.is_none() && !scope.is_static {
-            self.frames[id].attached_to = match (first_link, first_model) {
-                (Some(link), _) => Attachment::Link(link),
-                (None, Some(model)) if model < self.frames.len() => Attachment::Frame(Target::Id(model)),
-                _ => Attachment::World,
-            };
-        }
+        Some((first_link, first_model))
     }
 
     fn frame<'a>(&mut self, reader: &mut Reader<'a>, element: &Element<'a>, scope: &Scope) {
