@@ -33,28 +33,7 @@ impl Parts<'_> {
         reader.list_unread(element, &["name", "type"], &known, UnknownPart::Physics);
         let name = reader.own_name(element);
         let full = format!("{}{name}", scope.prefix);
-        let written_type = reader.required_text(element, "type", "type=\"revolute\" or another joint type");
-        let (kind, axis_count) = match written_type.unwrap_or("fixed") {
-            "fixed" => (JointType::Fixed, 0),
-            "revolute" | "hinge" => (JointType::Revolute, 1),
-            "continuous" => (JointType::Continuous, 1),
-            "prismatic" | "slider" => (JointType::Prismatic, 1),
-            "screw" => (JointType::Screw, 1),
-            "ball" => (JointType::Ball, 0),
-            "universal" | "revolute2" => (JointType::TwoAxes, 2),
-            other => {
-                let reason = match other {
-                    "gearbox" => "gearbox joints are not read; couple two joints by <mimic>".to_owned(),
-                    _ => format!(
-                        "the type {:?} is unknown; use fixed, revolute, continuous, prismatic, screw, ball, \
-                         universal or revolute2",
-                        excerpt(other)
-                    ),
-                };
-                reader.refuse_sdf(element, reason);
-                (JointType::Fixed, 0)
-            }
-        };
+        let (written_type, kind, axis_count) = type_of(reader, element);
         let advice = "write <parent>NAME</parent> and <child>NAME</child>";
         let [parent, child] =
             ["parent", "child"].map(|role| reader.required_child_text(element, role, advice));
@@ -68,27 +47,7 @@ impl Parts<'_> {
         let attached_to = Attachment::Frame(child.clone());
         let frame = Frame { at: at.clone(), relative_to, pose: written.pose, placement: None, attached_to };
         let frame = self.add_frame(reader, element, FrameKind::Joint, &full, frame);
-        let mut axes = Vec::new();
-        for name in ["axis", "axis2"] {
-            let Some(axis) = reader.child(element, name) else {
-                if axes.len() < axis_count {
-                    let (line, place) = (element.line, element.place.clone());
-                    let advice = "give its direction by <xyz>";
-                    let element = if name == "axis" { "axis" } else { "axis2" };
-                    reader.refuse(UrdfError::MissingElement { line, place, element, advice });
-                }
-                continue;
-            };
-            if axes.len() == axis_count {
-                let (line, place) = (axis.line, axis.place.clone());
-                let message =
-                    format!("a joint of the type {} has no <{name}>", written_type.unwrap_or_default());
-                reader.report_ignored(line, place, message);
-                continue;
-            }
-            let axis = self.axis(reader, &axis, scope, kind);
-            axes.push(axis);
-        }
+        let axes = self.axes(reader, element, scope, (written_type, kind, axis_count));
         for (name, message) in [
             ("physics", "settings of one physics engine"),
             ("sensor", "a sensor"),
@@ -111,6 +70,38 @@ impl Parts<'_> {
             pitch,
             is_static: scope.is_static,
         });
+    }
+
+    /// Reads as many axes as a joint of this type has, and reports the others.
+    fn axes<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        element: &Element<'a>,
+        scope: &Scope,
+        (written_type, kind, axis_count): (Option<&str>, JointType, usize),
+    ) -> Vec<Axis> {
+        let mut axes = Vec::new();
+        for name in ["axis", "axis2"] {
+            let Some(axis) = reader.child(element, name) else {
+                if axes.len() < axis_count {
+                    let (line, place) = (element.line, element.place.clone());
+                    let advice = "give its direction by <xyz>";
+                    let element = if name == "axis" { "axis" } else { "axis2" };
+                    reader.refuse(UrdfError::MissingElement { line, place, element, advice });
+                }
+                continue;
+            };
+            if axes.len() == axis_count {
+                let (line, place) = (axis.line, axis.place.clone());
+                let message =
+                    format!("a joint of the type {} has no <{name}>", written_type.unwrap_or_default());
+                reader.report_ignored(line, place, message);
+                continue;
+            }
+            let axis = self.axis(reader, &axis, scope, kind);
+            axes.push(axis);
+        }
+        axes
     }
 
     fn axis<'a>(
@@ -241,4 +232,31 @@ fn pitch<'a>(reader: &mut Reader<'a>, element: &Element<'a>) -> f64 {
             0.0
         }
     }
+}
+
+/// The type of a joint as the file writes it, its kind, and the number of its axes.
+fn type_of<'a>(reader: &mut Reader<'a>, element: &Element<'a>) -> (Option<&'a str>, JointType, usize) {
+    let written_type = reader.required_text(element, "type", "type=\"revolute\" or another joint type");
+    let (kind, axis_count) = match written_type.unwrap_or("fixed") {
+        "fixed" => (JointType::Fixed, 0),
+        "revolute" | "hinge" => (JointType::Revolute, 1),
+        "continuous" => (JointType::Continuous, 1),
+        "prismatic" | "slider" => (JointType::Prismatic, 1),
+        "screw" => (JointType::Screw, 1),
+        "ball" => (JointType::Ball, 0),
+        "universal" | "revolute2" => (JointType::TwoAxes, 2),
+        other => {
+            let reason = match other {
+                "gearbox" => "gearbox joints are not read; couple two joints by <mimic>".to_owned(),
+                _ => format!(
+                    "the type {:?} is unknown; use fixed, revolute, continuous, prismatic, screw, ball, \
+                     universal or revolute2",
+                    excerpt(other)
+                ),
+            };
+            reader.refuse_sdf(element, reason);
+            (JointType::Fixed, 0)
+        }
+    };
+    (written_type, kind, axis_count)
 }
