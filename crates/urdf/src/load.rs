@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use robot_dynamics_description::{Base, Disposition, LinkDescription, RobotDescription};
+use robot_dynamics_description::{Disposition, LinkDescription, RobotDescription};
 use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
 
@@ -207,22 +207,7 @@ fn read_robot<'a>(
     }
     robot.shapes = shapes;
 
-    let mut report = core::mem::take(&mut reader.report);
-    let meshes = robot.shapes.iter().filter_map(|shape| shape.shape.file()?.1);
-    report.add_files(path.into_iter().chain(meshes));
-    robot.name.clone_into(&mut report.robot);
-    report.counts.links = robot.links.len();
-    report.counts.joints = robot.joints.len();
-    let free = robot.joints.iter().filter(|joint| joint.mimic.is_none());
-    report.counts.degrees_of_freedom =
-        free.map(|joint| joint.kind.nv()).sum::<usize>() + if robot.base == Base::Floating { 6 } else { 0 };
-    report.sort();
-    reader.errors.append(&mut reader.refused_warnings);
-    if reader.errors.is_empty() {
-        Ok(Robot { description: robot, report, angles })
-    } else {
-        Err(LoadError::new(reader.errors, UrdfError::line, report))
-    }
+    Robot::finish(reader, robot, angles, path)
 }
 
 /// The name of the robot, or that of the file.

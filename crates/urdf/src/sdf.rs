@@ -19,7 +19,7 @@ mod values;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-use robot_dynamics_description::{Base, LinkDescription, Pose, RobotDescription};
+use robot_dynamics_description::{LinkDescription, Pose, RobotDescription};
 use robot_dynamics_xml::roxmltree::Node;
 use robot_dynamics_xml::{Budget, Resource, excerpt};
 
@@ -102,23 +102,9 @@ pub(crate) fn read_sdf<'a>(
     }
     note_missing_meshes(&mut reader, root, &parts.missing_meshes, &parts.search);
 
-    let mut report = core::mem::take(&mut reader.report);
-    let meshes = robot.shapes.iter().filter_map(|shape| shape.shape.file()?.1);
     let main = path.filter(|_| in_memory.is_none());
-    report.add_files(main.into_iter().chain(parts.files.iter().map(PathBuf::as_path)).chain(meshes));
-    robot.name.clone_into(&mut report.robot);
-    report.counts.links = robot.links.len();
-    report.counts.joints = robot.joints.len();
-    let free = robot.joints.iter().filter(|joint| joint.mimic.is_none());
-    report.counts.degrees_of_freedom =
-        free.map(|joint| joint.kind.nv()).sum::<usize>() + if robot.base == Base::Floating { 6 } else { 0 };
-    report.sort();
-    reader.errors.append(&mut reader.refused_warnings);
-    if reader.errors.is_empty() {
-        Ok(Robot { description: robot, report, angles: Vec::new() })
-    } else {
-        Err(LoadError::new(reader.errors, UrdfError::line, report))
-    }
+    let files = main.into_iter().chain(parts.files.iter().map(PathBuf::as_path));
+    Robot::finish(reader, robot, Vec::new(), files)
 }
 
 /// Checks the tree, the mimic joints and the masses.
