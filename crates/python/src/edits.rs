@@ -44,6 +44,21 @@ pub(crate) fn mass_properties(
     MassProperties::new(mass, Vector3::from_row_slice(&center), moments).map_err(exception)
 }
 
+/// The place of a robot or an object.
+pub(crate) fn mount(
+    py: Python<'_>,
+    parent: &str,
+    pose: &Bound<'_, PyAny>,
+    joint: Option<JointWords>,
+) -> PyResult<Mount> {
+    let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
+    let mount = Mount::on(parent).with_pose(pose_of(&pose));
+    match joint {
+        Some(joint) => Ok(mount.with_joint(joint_kind(&joint)?)),
+        None => Ok(mount),
+    }
+}
+
 type Noted = (String, Vec<String>);
 
 impl Robot {
@@ -141,11 +156,7 @@ impl Robot {
         joint: Option<JointWords>,
         prefix: &str,
     ) -> PyResult<Noted> {
-        let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
-        let mut mount = Mount::on(parent).with_pose(pose_of(&pose)).with_prefix(prefix);
-        if let Some(joint) = joint {
-            mount = mount.with_joint(joint_kind(&joint)?);
-        }
+        let mount = mount(py, parent, pose, joint)?.with_prefix(prefix);
         self.edited_with_notes(|description| description.attach(robot.model.description(), &mount))
     }
 

@@ -7,9 +7,9 @@ use pyo3::prelude::*;
 use robot_dynamics::description::{Mount, Object, Shape};
 use robot_dynamics::{MeshMass, MeshSolid, mesh_object};
 
-use crate::edits::{JointWords, joint_kind, mass_properties};
+use crate::edits::{JointWords, mass_properties, mount};
 use crate::errors::exception;
-use crate::numbers::{pose_of, shaped};
+use crate::numbers::shaped;
 use crate::robot::Robot;
 
 /// The scene that `robot_dynamics.Scene` builds.
@@ -145,20 +145,5 @@ impl Scene {
             None => object,
         };
         self.scene.add_object(&object, mount).map_err(exception)
-    }
-}
-
-/// The place of a robot or an object.
-fn mount(
-    py: Python<'_>,
-    parent: &str,
-    pose: &Bound<'_, PyAny>,
-    joint: Option<JointWords>,
-) -> PyResult<Mount> {
-    let (_, pose) = shaped(py, "at", pose, &[4, 4])?;
-    let mount = Mount::on(parent).with_pose(pose_of(&pose));
-    match joint {
-        Some(joint) => Ok(mount.with_joint(joint_kind(&joint)?)),
-        None => Ok(mount),
     }
 }
