@@ -4,7 +4,10 @@ use std::collections::HashSet;
 
 use super::checks::{check, check_pose, check_range, check_terms, index_names};
 use super::names::Names;
-use crate::{ModelError, RobotDescription, SpatialTendonDescription, TendonPathElement};
+use crate::{
+    ModelError, PassiveForces, PolynomialStiffnessDamping, RobotDescription, SpatialTendonDescription,
+    TendonPathElement,
+};
 
 pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("tendon", description.tendon_names())?;
@@ -14,19 +17,14 @@ pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -
             names.single_joint(&owner, joint)?;
             check(coefficient.is_finite(), &owner, "coefficient", *coefficient, "finite")?;
         }
-        let passive = &tendon.passive;
-        for (value, quantity) in [
-            (tendon.offset, "length where its joints are at 0"),
-            (passive.armature, "armature"),
-            (passive.damping, "damping"),
-            (passive.friction, "friction"),
-            (passive.stiffness, "stiffness"),
-            (passive.rest, "rest length"),
-        ] {
-            check(value.is_finite(), &owner, quantity, value, "finite")?;
-        }
-        check_terms(&owner, &tendon.higher_terms)?;
-        check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")?;
+        check(
+            tendon.offset.is_finite(),
+            &owner,
+            "length where its joints are at 0",
+            tendon.offset,
+            "finite",
+        )?;
+        check_law(&owner, &tendon.passive, &tendon.higher_terms, tendon.dead_band)?;
     }
     let frames: HashSet<&str> = description.frames.iter().map(|frame| frame.name.as_str()).collect();
     for tendon in &description.spatial_tendons {
@@ -64,17 +62,28 @@ fn check_spatial(
             }
         }
     }
-    let passive = &tendon.passive;
-    check(passive.armature == 0.0, &owner, "armature", passive.armature, "zero for a spatial tendon")?;
+    let armature = tendon.passive.armature;
+    check(armature == 0.0, &owner, "armature", armature, "zero for a spatial tendon")?;
+    check_law(&owner, &tendon.passive, &tendon.higher_terms, tendon.dead_band)?;
+    check_range(&owner, "range of its actuators' force", tendon.actuator_force_range)
+}
+
+/// Checks the spring, the damper, friction and armature of a tendon.
+fn check_law(
+    owner: &str,
+    passive: &PassiveForces,
+    higher_terms: &PolynomialStiffnessDamping,
+    dead_band: f64,
+) -> Result<(), ModelError> {
     for (value, quantity) in [
+        (passive.armature, "armature"),
         (passive.damping, "damping"),
         (passive.friction, "friction"),
         (passive.stiffness, "stiffness"),
         (passive.rest, "rest length"),
     ] {
-        check(value.is_finite(), &owner, quantity, value, "finite")?;
+        check(value.is_finite(), owner, quantity, value, "finite")?;
     }
-    check_terms(&owner, &tendon.higher_terms)?;
-    check_range(&owner, "range of its actuators' force", tendon.actuator_force_range)?;
-    check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")
+    check_terms(owner, higher_terms)?;
+    check(dead_band >= 0.0, owner, "dead band", dead_band, "zero or positive")
 }
