@@ -1,7 +1,7 @@
 //! The rows of joints and tendons at a configuration.
 
 use nalgebra::Vector3;
-use robot_dynamics_description::Quaternion;
+use robot_dynamics_description::{Quaternion, SolverImpedance};
 
 use super::active_set::ActiveLimits;
 use super::impedance::Response;
@@ -19,6 +19,37 @@ const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
 struct RowBuilder<'a> {
     problem: &'a mut ConeProblem,
     asked: &'a mut Vec<RowReference>,
+}
+
+impl RowBuilder<'_> {
+    /// Dry friction of at most `most` along these derivatives.
+    fn push_friction(
+        &mut self,
+        h: f64,
+        most: f64,
+        derivatives: &[(usize, f64)],
+        (softness, weight): (&SolverImpedance, f64),
+    ) {
+        let response = Response::new(softness, h, 0.0);
+        let row = self.problem.push_row(Set::Interval(-most, most), 1.0, derivatives);
+        self.problem.soften(response.softness(weight));
+        self.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
+    }
+
+    /// A limit of a tendon by its number, at a distance that the margin is subtracted from.
+    fn push_tendon_limit(
+        &mut self,
+        (h, distance): (f64, f64),
+        (number, sign): (usize, f64),
+        derivatives: &[(usize, f64)],
+        (softness, weight): (&SolverImpedance, f64),
+    ) {
+        let response = Response::new(softness, h, distance);
+        let row = self.problem.push_row(HALF_LINE, sign, derivatives);
+        self.problem.soften(response.softness(weight));
+        let origin = RowOrigin::TendonLimit(number, sign);
+        self.asked.push(RowReference::new(origin, row, response.damping, response.spring));
+    }
 }
 
 impl JointRows {
@@ -49,11 +80,8 @@ impl JointRows {
 
     fn add_friction_rows(&self, h: f64, rows: &mut RowBuilder<'_>) {
         for friction in &self.frictions {
-            let response = Response::new(&friction.softness, h, 0.0);
-            let set = Set::Interval(-friction.most, friction.most);
-            let row = rows.problem.push_row(set, 1.0, &friction.derivatives);
-            rows.problem.soften(response.softness(friction.weight));
-            rows.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
+            let response = (&friction.softness, friction.weight);
+            rows.push_friction(h, friction.most, &friction.derivatives, response);
         }
     }
 
@@ -110,18 +138,15 @@ impl JointRows {
         let first = self.limits.len() + self.turns.len();
         for (number, limit) in self.tendons.iter().enumerate() {
             let distance = limit.sign * (limit.length.at(q) - limit.bound) - limit.softness.margin;
-            if !active.admits(first + number, distance < 0.0) {
-                continue;
+            if active.admits(first + number, distance < 0.0) {
+                let response = (&limit.softness.limit, limit.weight);
+                rows.push_tendon_limit(
+                    (h, distance),
+                    (limit.number, limit.sign),
+                    &limit.derivatives,
+                    response,
+                );
             }
-            let response = Response::new(&limit.softness.limit, h, distance);
-            let row = rows.problem.push_row(HALF_LINE, limit.sign, &limit.derivatives);
-            rows.problem.soften(response.softness(limit.weight));
-            rows.asked.push(RowReference::new(
-                RowOrigin::TendonLimit(limit.number, limit.sign),
-                row,
-                response.damping,
-                response.spring,
-            ));
         }
     }
 
@@ -140,24 +165,13 @@ impl JointRows {
             let length = path.path.length_and_row(state.model, &bodies.placement, &mut row);
             let derivatives: Vec<(usize, f64)> = path.support.iter().map(|&k| (k, row[k])).collect();
             if path.most > 0.0 && state.dissipates {
-                let response = Response::new(&path.softness.friction, h, 0.0);
-                let set = Set::Interval(-path.most, path.most);
-                let row = rows.problem.push_row(set, 1.0, &derivatives);
-                rows.problem.soften(response.softness(path.weight));
-                rows.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
+                rows.push_friction(h, path.most, &derivatives, (&path.softness.friction, path.weight));
             }
             for &(bound, sign) in &path.bounds {
                 let distance = sign * (length - bound) - path.softness.margin;
                 if active.admits(number, distance < 0.0) {
-                    let response = Response::new(&path.softness.limit, h, distance);
-                    let row = rows.problem.push_row(HALF_LINE, sign, &derivatives);
-                    rows.problem.soften(response.softness(path.weight));
-                    rows.asked.push(RowReference::new(
-                        RowOrigin::TendonLimit(path.number, sign),
-                        row,
-                        response.damping,
-                        response.spring,
-                    ));
+                    let response = (&path.softness.limit, path.weight);
+                    rows.push_tendon_limit((h, distance), (path.number, sign), &derivatives, response);
                 }
                 number += 1;
             }
