@@ -4,17 +4,14 @@
 //! its inertias, and sums have another order. Motions by the same stages of RK4, or by MuJoCo's Euler steps:
 //! 1e-8, because of the tumbling free bodies, whose coordinates differ (see `motion.rs`).
 
-use robot_dynamics::conventions::{
-    configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
-    velocity_to_mujoco,
-};
+use robot_dynamics::conventions::force_to_mujoco;
 use robot_dynamics::description::{FluidForm, RobotDescription};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Actuation, Effect, FluidForces, Integrator, Method, SimulationBuilder};
 use robot_dynamics_mjcf::{LoadOptions, load, parse};
 use serde_json::Value;
 
-use crate::golden::{Golden, assert_near, numbers, root};
+use crate::golden::{Golden, assert_ends, assert_near, numbers, root};
 
 const FORCES: f64 = 1e-10;
 const MOTIONS: f64 = 1e-8;
@@ -85,9 +82,7 @@ fn motions_end_where_mujocos_do() {
     for ((file, record), (name, method)) in files.flat_map(|file| methods.map(|method| (file, method))) {
         let Some(motion) = record.get(name) else { continue };
         let model = Model::new(robot(file)).expect("a robot");
-        let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
-        configuration_from_mujoco(&model, &numbers(&motion["qpos"]), &mut q);
-        velocity_from_mujoco(&model, &q, &numbers(&motion["qvel"]), &mut v);
+        let (q, v) = Golden::state(&model, motion);
         let mut simulation = SimulationBuilder::new(&model)
             .dt(numbers(&motion["step"])[0])
             .method(method)
@@ -97,14 +92,8 @@ fn motions_end_where_mujocos_do() {
         assert!(simulation.acting().contains(&Effect::Dissipation));
         simulation.reset(&q, &v).expect("a state");
         simulation.run_for(numbers(&motion["duration"])[0]).unwrap_or_else(|error| panic!("{file}: {error}"));
-        configuration_to_mujoco(&model, simulation.q(), &mut q);
-        velocity_to_mujoco(&model, simulation.q(), simulation.v(), &mut v);
-        for (what, found, end) in [("q", &q, "end_qpos"), ("v", &v, "end_qvel")] {
-            let expected = numbers(&motion[end]);
-            let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
-            let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
-            assert!(off <= MOTIONS, "{file}: {name}: {what}: {off:e}\n{found:?}\n{expected:?}");
-        }
+        let end = (simulation.q(), simulation.v());
+        assert_ends(&format!("{file}: {name}"), &model, motion, end, MOTIONS);
         compared += 1;
     }
     assert!(compared >= 6, "{compared}");

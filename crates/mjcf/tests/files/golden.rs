@@ -8,7 +8,8 @@ use std::path::PathBuf;
 
 use robot_dynamics::algorithms::potential_energy;
 use robot_dynamics::conventions::{
-    configuration_from_mujoco, force_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
+    configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
+    velocity_to_mujoco,
 };
 use robot_dynamics::description::{
     JointKind, PolynomialStiffnessDamping, RobotDescription, TendonDescription,
@@ -57,6 +58,26 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     match value {
         Value::Array(list) => list.iter().flat_map(numbers).collect(),
         number => vec![number.as_f64().expect("a number")],
+    }
+}
+
+/// Checks the end of a motion: the largest difference relative to the largest number, or to 1.
+#[track_caller]
+pub(crate) fn assert_ends(
+    what: &str,
+    model: &Model,
+    motion: &Value,
+    (own_q, own_v): (&[f64], &[f64]),
+    allowed: f64,
+) {
+    let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+    configuration_to_mujoco(model, own_q, &mut q);
+    velocity_to_mujoco(model, own_q, own_v, &mut v);
+    for (name, found, end) in [("q", &q, "end_qpos"), ("v", &v, "end_qvel")] {
+        let expected = numbers(&motion[end]);
+        let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
+        assert!(off <= allowed, "{what}: {name}: {off:e}\n{found:?}\n{expected:?}");
     }
 }
 
