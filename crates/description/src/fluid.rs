@@ -16,7 +16,7 @@ const LEAST_MOMENT: f64 = 1e-15;
 /// A uniform fluid around the robot, such as air or water.
 ///
 /// It acts on the [`fluid_shapes`](crate::RobotDescription::fluid_shapes) of the robot, and not at all if density
-/// and viscosity are 0. There is no buoyancy.
+/// and viscosity are 0. Buoyancy is not modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Medium {

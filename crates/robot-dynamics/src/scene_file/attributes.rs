@@ -125,7 +125,7 @@ impl<'a> Attributes<'a> {
         surface
     }
 
-    /// The errors. If there are none, attributes that were not read are errors.
+    /// The errors. Without other errors, attributes that were not read are errors.
     pub(super) fn finish(mut self) -> Vec<SceneFault> {
         if !self.faults.is_empty() {
             return self.faults;

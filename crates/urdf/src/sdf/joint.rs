@@ -192,7 +192,7 @@ fn limits<'a>(reader: &mut Reader<'a>, element: &Element<'a>, kind: JointType) -
         );
         reader.warn(element, message);
     }
-    // A negative bound is none.
+    // A negative bound means that the joint is unlimited.
     let [effort, velocity] = ["effort", "velocity"].map(|name| {
         reader
             .child_bound(element, name)

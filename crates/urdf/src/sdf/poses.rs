@@ -20,7 +20,7 @@ pub(super) struct Resolved {
 }
 
 impl Parts<'_> {
-    /// The frame that a reference means; `None`, with an error, if there is none.
+    /// The frame that a reference means; `None`, with an error, if no frame has the name.
     pub(super) fn find(&self, target: &Target, at: &Place, errors: &mut Vec<UrdfError>) -> Option<FrameId> {
         let name = match target {
             Target::Id(id) => return Some(*id),

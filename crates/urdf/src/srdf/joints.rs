@@ -37,7 +37,8 @@ impl<'a> Semantics<'a, '_> {
         }
     }
 
-    /// The name of the joint in the robot; `None` if there is none.
+    /// The name of the joint in the robot; `None` for a fixed joint and, with an error, for one
+    /// that does not fit the robot.
     fn virtual_joint(
         &mut self,
         element: &Element<'a>,
