@@ -105,7 +105,8 @@ def loads(
         them the meshes of a text are not located.
     assets : mapping from str to bytes or str, optional
         Contents of the files that an MJCF or SDF text names, by their relative paths: included files,
-        attached models and meshes. No file on the disk is read then. srdf : str, optional
+        attached models and meshes. No file on the disk is read then.
+    srdf : str, optional
         Content of the SRDF file of the robot; see `load`.
 
     Returns

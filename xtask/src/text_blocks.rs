@@ -189,10 +189,11 @@ pub(crate) fn paragraphs(block: &Block) -> Vec<Paragraph<'_>> {
         text = text.strip_prefix("> ").unwrap_or(text);
         let marker = list_marker(text);
         let indent = indent(&line.text);
-        let is_deeper = indent >= last_indent + 4;
+        // The description of a parameter is deeper than the parameter before it and the one after it.
+        let is_other_level = indent.abs_diff(last_indent) >= 4;
         last_indent = indent;
         text = &text[marker.unwrap_or(0)..];
-        if marker.is_some() || is_deeper {
+        if marker.is_some() || is_other_level {
             paragraphs.push(Paragraph::new());
         }
         paragraphs.last_mut().expect("one is open").push((line.number, text));
@@ -234,8 +235,8 @@ mod tests {
 
     #[test]
     fn docstrings_have_sections_and_examples() {
-        let text = "def f():\n    \"\"\"A.\n\n    Parameters\n    ----------\n    q : array\n        B.\n\n    >>> f()\n    1\n    \"\"\"\n";
-        assert_eq!(texts(text, Language::Python), ["2:A.", "6:q : array", "7:B."]);
+        let text = "def f():\n    \"\"\"A.\n\n    Parameters\n    ----------\n    q : array\n        B.\n    v : array\n        C.\n\n    >>> f()\n    1\n    \"\"\"\n";
+        assert_eq!(texts(text, Language::Python), ["2:A.", "6:q : array", "7:B.", "8:v : array", "9:C."]);
     }
 
     #[test]
