@@ -1,4 +1,4 @@
-//! Equalities between joints or links that a robot's file states in addition to its tree.
+//! Equalities between joints, tendons or links that a robot's file states in addition to its tree.
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
@@ -59,7 +59,7 @@ impl EqualityDescription {
             FrameDescription::new(self.frame_name(side), link, link_from_frame)
         };
         match &self.kind {
-            Equality::Joints { .. } => Vec::new(),
+            Equality::Joints { .. } | Equality::Tendons { .. } => Vec::new(),
             Equality::Connect { a, b } => vec![
                 frame("a", &a.0, Pose::from_translation(a.1)),
                 frame("b", &b.0, Pose::from_translation(b.1)),
@@ -80,6 +80,15 @@ pub enum Equality {
         /// The joint of position y, and y⁰.
         joint: (String, f64),
         /// The joint of position x, and x⁰.
+        leader: Option<(String, f64)>,
+        /// c₀ to c₄.
+        polynomial: [f64; 5],
+    },
+    /// y − y⁰ = Σ cₖ (x − x⁰)ᵏ between lengths of two tendons; without a leader y − y⁰ = c₀.
+    Tendons {
+        /// The tendon of length y, over joints or along a path, and y⁰.
+        tendon: (String, f64),
+        /// The tendon of length x, and x⁰.
         leader: Option<(String, f64)>,
         /// c₀ to c₄.
         polynomial: [f64; 5],

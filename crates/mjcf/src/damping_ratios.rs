@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use robot_dynamics_core::kinematics::body_placement::Placement;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_core::{Model, Workspace, neutral};
-use robot_dynamics_description::RobotDescription;
+use robot_dynamics_description::{Equality, RobotDescription};
 
 use crate::actuator::Actuators;
 use crate::assembly::{ElementTable, JointEntry, pose_spring};
@@ -23,14 +23,29 @@ const MIN_ACCELERATION: f64 = 1e-15;
 
 impl Reader<'_> {
     /// Sets the rest length of spatial tendons without one, the length where the springs of the joints are at
-    /// rest.
+    /// rest, and the reference lengths of equalities, those in the pose of the file.
     pub(crate) fn resolve_rest_lengths(
         &mut self,
         table: &ElementTable,
         at_rest: &[usize],
         robot: &mut RobotDescription,
     ) {
-        if at_rest.is_empty() || !self.errors.is_empty() {
+        if !self.errors.is_empty() {
+            return;
+        }
+        let paths: HashMap<String, usize> =
+            robot.spatial_tendons.iter().enumerate().map(|(at, own)| (own.name.clone(), at)).collect();
+        let is_path = |name: &str| paths.contains_key(name);
+        if robot.equalities.iter().any(|equality| lengths(&equality.kind).any(|(name, _)| is_path(name)))
+            && let Some(initial) = InitialPose::new(table, robot, |joint| joint.initial.clone())
+        {
+            for (name, reference) in robot.equalities.iter_mut().flat_map(|own| lengths_mut(&mut own.kind)) {
+                if let Some(&tendon) = paths.get(name) {
+                    *reference = initial.paths[tendon].length(&initial.placement);
+                }
+            }
+        }
+        if at_rest.is_empty() {
             return;
         }
         let position = |joint: &JointEntry| match joint.motion {
@@ -124,6 +139,23 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// The tendons of an equality, with their reference lengths.
+fn lengths(kind: &Equality) -> impl Iterator<Item = &(String, f64)> {
+    let (tendon, leader) = match kind {
+        Equality::Tendons { tendon, leader, .. } => (Some(tendon), leader.as_ref()),
+        _ => (None, None),
+    };
+    tendon.into_iter().chain(leader)
+}
+
+fn lengths_mut(kind: &mut Equality) -> impl Iterator<Item = &mut (String, f64)> {
+    let (tendon, leader) = match kind {
+        Equality::Tendons { tendon, leader, .. } => (Some(tendon), leader.as_mut()),
+        _ => (None, None),
+    };
+    tendon.into_iter().chain(leader)
 }
 
 type Matrix = nalgebra::DMatrix<f64>;

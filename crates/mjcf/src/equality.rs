@@ -1,4 +1,4 @@
-//! Reads `<equality>`: couplings of joints, connected points, welded bodies.
+//! Reads `<equality>`: couplings of joints and of tendons, connected points, welded bodies.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use robot_dynamics_description::{Equality, EqualityDescription, RobotDescription};
@@ -26,7 +26,7 @@ impl Reader<'_> {
         let all: Vec<Id> = self.tree.in_sections("equality").collect();
         for (index, id) in all.into_iter().enumerate() {
             let sort = self.tree.nodes[id].name.as_str();
-            if !["joint", "connect", "weld"].contains(&sort) {
+            if !["joint", "tendon", "connect", "weld"].contains(&sort) {
                 continue;
             }
             let mut element = self.element(id, MAIN);
@@ -34,6 +34,7 @@ impl Reader<'_> {
             element.defaults = self.classes.of_kind(class.unwrap_or(MAIN), "equality");
             let kind = match sort {
                 "joint" => self.joint_coupling(&element, table),
+                "tendon" => self.tendon_coupling(&element, table, robot),
                 "connect" => self.connect_constraint(&element, bodies, table, &world_from_body),
                 _ => self.weld_constraint(&element, bodies, table, &world_from_body),
             };
@@ -60,6 +61,44 @@ impl Reader<'_> {
         };
         let polynomial = self.overlay(element, "polycoef", [0.0, 1.0, 0.0, 0.0, 0.0]);
         Some(Equality::Joints { joint, leader, polynomial })
+    }
+
+    fn tendon_coupling(
+        &mut self,
+        element: &Element,
+        table: &ElementTable,
+        robot: &RobotDescription,
+    ) -> Option<Equality> {
+        let name = self.required_text(element, "tendon1", "TENDON")?;
+        let tendon = self.tendon_length(element, name, table, robot)?;
+        let leader = match self.text(element, "tendon2") {
+            Some(name) => Some(self.tendon_length(element, name, table, robot)?),
+            None => None,
+        };
+        let polynomial = self.overlay(element, "polycoef", [0.0, 1.0, 0.0, 0.0, 0.0]);
+        Some(Equality::Tendons { tendon, leader, polynomial })
+    }
+
+    /// A tendon, and its length in the pose of the file if it is a tendon over joints. That of a spatial
+    /// tendon is found when the robot is complete.
+    fn tendon_length(
+        &mut self,
+        element: &Element,
+        name: &str,
+        table: &ElementTable,
+        robot: &RobotDescription,
+    ) -> Option<(String, f64)> {
+        if let Some(tendon) = robot.tendons.iter().find(|own| own.name == name) {
+            let initial =
+                |joint: &str| table.joints.iter().find(|own| own.name == joint).map(|own| own.initial[0]);
+            let length = tendon.terms.iter().filter_map(|(joint, c)| Some(c * initial(joint)?)).sum();
+            return Some((tendon.name.clone(), length));
+        }
+        let found = robot.spatial_tendons.iter().find(|own| own.name == name);
+        if found.is_none() {
+            self.refuse_unknown_name(element, "tendon", name);
+        }
+        found.map(|tendon| (tendon.name.clone(), 0.0))
     }
 
     /// A joint with one degree of freedom, and its q in the pose of the file.

@@ -127,7 +127,7 @@ fn written_robots_read_back_the_same() {
 #[test]
 fn actuators_tendons_equalities_poses_and_shapes_read_back() {
     let mut counts = [0; 4];
-    for path in files("robots").into_iter().chain(files("testdata/mjcf")) {
+    for path in files("robots").into_iter().chain(files("testdata/mjcf")).chain(files("testdata/mjcf/soft")) {
         let robot = read(&path);
         let what = path.display().to_string();
         let written = write(&robot, Format::Mjcf, path.parent()).expect("a robot");
@@ -201,6 +201,10 @@ fn same_equality(what: &str, one: &Equality, other: &Equality) {
         (
             Equality::Joints { joint, leader, polynomial },
             Equality::Joints { joint: other, leader: other_leader, polynomial: moved },
+        )
+        | (
+            Equality::Tendons { tendon: joint, leader, polynomial },
+            Equality::Tendons { tendon: other, leader: other_leader, polynomial: moved },
         ) => {
             assert_eq!(
                 (&joint.0, leader.as_ref().map(|l| &l.0)),

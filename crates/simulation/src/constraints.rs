@@ -11,7 +11,7 @@
 //! | a frame's own velocity components vanish: skate, blade, wheel | [`NoSlip`] | 1 to 6 | no |
 //! | a disc rolls on a plane | [`RollingDisc`] | forward, side, normal | normal only |
 //! | Σ cᵢ vᵢ = 0: gears, levers, locked joints | [`Coupling`] | 1 | for plain coordinates |
-//! | y = p(x) between two joints | [`PolynomialCoupling`] | 1 | yes |
+//! | y = p(x) between two joints or two tendons | [`PolynomialCoupling`] | 1 | yes |
 
 mod anchor;
 mod constraint;

@@ -9,12 +9,14 @@
 //! | --- | --- |
 //! | `site` | a frame on a body, its place and its motion |
 //! | `direction` | the motions that a row between two sites prevents: A, φ and Ȧv of each |
-//! | `relation` | an equality with its rows, of sites or of joint positions |
+//! | `position` | a position that a polynomial couples: of joints, or the length of a tendon |
+//! | `relation` | an equality with its rows, of sites or of positions |
 //! | `rows` | all rows of a robot |
 //! | `error` | the errors of constraints and of motions with them |
 
 pub(crate) mod direction;
 pub(crate) mod error;
+pub(crate) mod position;
 pub(crate) mod relation;
 pub(crate) mod rows;
 pub(crate) mod site;

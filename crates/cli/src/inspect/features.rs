@@ -122,10 +122,12 @@ fn equalities(robot: &RobotDescription) -> String {
     let mut text = String::new();
     for equality in &robot.equalities {
         let what = match &equality.kind {
-            Equality::Joints { joint, leader: Some(leader), .. } => {
-                format!("{} is a function of {}", joint.0, leader.0)
+            Equality::Joints { joint: own, leader: Some(leader), .. }
+            | Equality::Tendons { tendon: own, leader: Some(leader), .. } => {
+                format!("{} is a function of {}", own.0, leader.0)
             }
-            Equality::Joints { joint, leader: None, .. } => format!("{} is fixed", joint.0),
+            Equality::Joints { joint: own, leader: None, .. }
+            | Equality::Tendons { tendon: own, leader: None, .. } => format!("{} is fixed", own.0),
             Equality::Connect { a, b } => format!("a point of {} coincides with one of {}", a.0, b.0),
             Equality::Weld { a, b, .. } => format!("{a} and {b} are welded"),
         };

@@ -5,6 +5,7 @@
 //! motion of the surface moves these points without a change of the part between them: the part contributes
 //! nothing.
 
+mod curvature;
 mod wrapping;
 
 use std::collections::{BTreeSet, HashMap};
@@ -18,20 +19,20 @@ use crate::model::WORLD;
 use crate::{Frame, Model};
 
 /// The path of a spatial tendon of a compiled robot.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TendonPath {
     segments: Vec<Segment>,
 }
 
 /// A point of a body, or of the world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct BodyPoint {
     body: usize,
     position: Vector3<f64>,
 }
 
 /// A sphere or cylinder of a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct BodySurface {
     body: usize,
     rotation: Matrix3<f64>,
@@ -42,7 +43,7 @@ struct BodySurface {
 }
 
 /// The path from one point to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Segment {
     ends: [BodyPoint; 2],
     surface: Option<BodySurface>,
@@ -173,10 +174,15 @@ impl Segment {
 }
 
 impl BodySurface {
+    /// Its axes, as columns, and its origin in the world.
+    fn place(&self, placement: &Placement) -> (Matrix3<f64>, Vector3<f64>) {
+        let (rotation, translation) = placement.body(self.body);
+        (rotation * self.rotation, rotation * self.origin + translation)
+    }
+
     /// The part of the path between two points of the world that is on the surface, in the world.
     fn wrap(&self, placement: &Placement, points: [Vector3<f64>; 2]) -> Option<Wrap> {
-        let (rotation, translation) = placement.body(self.body);
-        let (axes, origin) = (rotation * self.rotation, rotation * self.origin + translation);
+        let (axes, origin) = self.place(placement);
         let into_surface = |point: Vector3<f64>| axes.tr_mul(&(point - origin));
         let side = self.side.map(|side| into_surface(side.in_world(placement)));
         let Wrap { ends, length } = wrap(self.kind, self.radius, points.map(into_surface), side)?;

@@ -203,17 +203,15 @@ impl RobotDescription {
             false
         });
         self.equalities.retain(|equality| {
-            let (of_joints, of_links) = match &equality.kind {
-                Equality::Joints { joint, leader, .. } => {
-                    (vec![Some(&joint.0), leader.as_ref().map(|leader| &leader.0)], vec![])
+            let (sort, all, removed) = match &equality.kind {
+                Equality::Joints { joint: own, leader, .. } => ("joint", with_leader(own, leader), &*joints),
+                Equality::Tendons { tendon: own, leader, .. } => {
+                    ("tendon", with_leader(own, leader), &*tendons)
                 }
-                Equality::Connect { a, b } => (vec![], vec![&a.0, &b.0]),
-                Equality::Weld { a, b, .. } => (vec![], vec![a, b]),
+                Equality::Connect { a, b } => ("link", vec![&a.0, &b.0], &*links),
+                Equality::Weld { a, b, .. } => ("link", vec![a, b], &*links),
             };
-            let joint = of_joints.into_iter().flatten().find(|joint| joints.contains(*joint));
-            let link = of_links.into_iter().find(|link| links.contains(*link));
-            let cause = joint.map(|joint| ("joint", joint)).or(link.map(|link| ("link", link)));
-            let Some((sort, name)) = cause else { return true };
+            let Some(name) = all.into_iter().find(|name| removed.contains(*name)) else { return true };
             frames.extend(equality.frames().into_iter().map(|frame| frame.name));
             notes.push(note("equality", &equality.name, sort, name));
             false
@@ -275,4 +273,9 @@ impl RobotDescription {
 /// A part that was removed because another one was.
 fn note(sort: &str, name: &str, cause: &str, cause_name: &str) -> EditNote {
     EditNote::new(format!("{sort} `{name}`"), format!("removed with {cause} `{cause_name}`"))
+}
+
+/// The names of a relation's position and of its leader.
+fn with_leader<'a>(own: &'a (String, f64), leader: &'a Option<(String, f64)>) -> Vec<&'a String> {
+    core::iter::once(own).chain(leader).map(|(name, _)| name).collect()
 }

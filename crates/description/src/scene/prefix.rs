@@ -181,8 +181,9 @@ impl Renaming<'_> {
         let EqualityDescription { name, kind, .. } = equality;
         self.object(name);
         match kind {
-            Equality::Joints { joint, leader, polynomial: _ } => {
-                self.object(&mut joint.0);
+            Equality::Joints { joint: own, leader, polynomial: _ }
+            | Equality::Tendons { tendon: own, leader, polynomial: _ } => {
+                self.object(&mut own.0);
                 if let Some((leader, _)) = leader {
                     self.object(leader);
                 }

@@ -1,11 +1,16 @@
 //! Checks of the equalities of a description.
 
-use super::checks::{check, check_pose, index_names};
+use std::collections::HashSet;
+
+use super::checks::{check, check_pose, index_names, unknown};
 use super::names::Names;
 use crate::{Equality, ModelError, RobotDescription};
 
 pub(super) fn check_equalities(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("equality", description.equalities.iter().map(|equality| equality.name.as_str()))?;
+    let RobotDescription { tendons, spatial_tendons, .. } = description;
+    let tendons = tendons.iter().map(|own| own.name.as_str());
+    let tendons: HashSet<&str> = tendons.chain(spatial_tendons.iter().map(|own| own.name.as_str())).collect();
     for equality in &description.equalities {
         let owner = format!("equality `{}`", equality.name);
         let finite = |quantity: &'static str, numbers: &[f64]| {
@@ -17,6 +22,15 @@ pub(super) fn check_equalities(description: &RobotDescription, names: &Names<'_>
                 for (name, reference) in core::iter::once(joint).chain(leader) {
                     names.single_joint(&owner, name)?;
                     finite("reference position", &[*reference])?;
+                }
+                finite("coefficient", polynomial)?;
+            }
+            Equality::Tendons { tendon, leader, polynomial } => {
+                for (name, reference) in core::iter::once(tendon).chain(leader) {
+                    if !tendons.contains(name.as_str()) {
+                        return Err(unknown(&owner, "tendon", name));
+                    }
+                    finite("reference length", &[*reference])?;
                 }
                 finite("coefficient", polynomial)?;
             }

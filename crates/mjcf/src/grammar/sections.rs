@@ -281,7 +281,11 @@ pub(super) const RULES: &[Rule] = &[
         ],
     )
     .ignored(&["torquescale"]),
-    rule(&["equality"], "tendon", Physics("an equality of tendons is not in the model")),
+    read(
+        &["equality"],
+        "tendon",
+        &["name", "class", "active", "solref", "solimp", "tendon1", "tendon2", "polycoef"],
+    ),
     rule(&["equality"], "flexstrain", Physics("an equality of deformable bodies is not in the model")),
     rule(&["equality"], "flex", Physics("an equality of deformable bodies is not in the model")),
     read(&["default"], "equality", EQUALITY),

@@ -34,7 +34,7 @@ impl MjcfWriter<'_> {
                 Equality::Connect { a: (a, _), b: (b, _) } | Equality::Weld { a, b, .. } => {
                     names.extend([a.as_str(), b]);
                 }
-                Equality::Joints { .. } => {}
+                Equality::Joints { .. } | Equality::Tendons { .. } => {}
             }
         }
         for actuator in &robot.actuators {

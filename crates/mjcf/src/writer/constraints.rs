@@ -1,5 +1,8 @@
 //! Writes `<contact>`, `<tendon>` and `<equality>`.
 
+use robot_dynamics_core::kinematics::body_placement::Placement;
+use robot_dynamics_core::kinematics::tendon_path::TendonPath;
+use robot_dynamics_core::{Model, Workspace, neutral};
 use robot_dynamics_description::{
     ContactPairDescription, Equality, EqualityDescription, JointKind, PassiveForces,
     PolynomialStiffnessDamping, Quaternion, TendonSolverImpedance,
@@ -170,6 +173,23 @@ impl MjcfWriter<'_> {
         self.xml.end();
     }
 
+    /// The length of a tendon in the pose of the file, where all joints are at zero; `None` if it is omitted.
+    fn initial_length(&self, name: &str) -> Option<f64> {
+        let robot = self.robot;
+        if let Some(tendon) = robot.tendons.iter().find(|own| own.name == name) {
+            let is_written = tendon.terms.iter().any(|(joint, _)| !self.is_locked(joint));
+            return is_written.then_some(tendon.offset);
+        }
+        let number = robot.spatial_tendons.iter().position(|own| own.name == name)?;
+        let mut zero = robot.clone();
+        (zero.equalities, zero.actuators, zero.sensors, zero.poses) = Default::default();
+        zero.joints.iter_mut().for_each(|joint| joint.mimic = None);
+        let model = Model::new(zero).ok()?;
+        let mut placement = Placement::new(&model);
+        placement.set(&model, &mut Workspace::new(&model), &neutral(&model));
+        Some(TendonPath::all(&model)[number].length(&placement))
+    }
+
     fn write_equality(&mut self, equality: &EqualityDescription, index: Option<usize>) {
         match &equality.kind {
             Equality::Joints { joint, leader, polynomial } => {
@@ -185,6 +205,22 @@ impl MjcfWriter<'_> {
                     self.xml.attribute("joint2", leader);
                 }
                 self.xml.numbers("polycoef", &shift_to_zero(joint.1, x0, polynomial));
+            }
+            Equality::Tendons { tendon, leader, polynomial } => {
+                let own = self.initial_length(&tendon.0);
+                let of_leader = leader.as_ref().map(|(name, _)| self.initial_length(name));
+                let (Some(own), Some(of_leader)) = (own, of_leader.unwrap_or(Some(0.0))) else {
+                    let message = "omitted: one of its tendons is";
+                    self.add_loss(&format!("equality {:?}", excerpt(&equality.name)), message);
+                    return;
+                };
+                self.xml.start("tendon").attribute("name", &equality.name).attribute("tendon1", &tendon.0);
+                let x0 = leader.as_ref().map_or(0.0, |leader| leader.1);
+                if let Some((leader, _)) = leader {
+                    self.xml.attribute("tendon2", leader);
+                }
+                // Lengths count from those in the pose of the file.
+                self.xml.numbers("polycoef", &shift_to_zero(tendon.1 - own, x0 - of_leader, polynomial));
             }
             Equality::Connect { .. } => {
                 let [first, second] =
@@ -214,7 +250,7 @@ impl MjcfWriter<'_> {
     }
 }
 
-/// The coefficients of y = y⁰ + Σ cₖ (x − x⁰)ᵏ in powers of x, because the file places its joints at zero.
+/// The coefficients of y = y⁰ + Σ cₖ (x − x⁰)ᵏ in powers of x. The references of the file are zero.
 fn shift_to_zero(y0: f64, x0: f64, polynomial: &[f64; 5]) -> [f64; 5] {
     let mut about = [0.0; 5];
     // Horner's rule: p ← p (x − x⁰) + c, from the highest power down.

@@ -153,6 +153,7 @@ fn equalities_hold_where_the_file_places_the_bodies() {
                 }
                 None => assert_eq!((joint.0.as_str(), polynomial), ("b", &[0.0, 1.0, 0.0, 0.0, 0.0])),
             },
+            Equality::Tendons { .. } => panic!("{name}: the file has no equalities of tendons"),
             // Sites keep their positions on the bodies, so the two points need not coincide in the pose of
             // the file.
             Equality::Connect { a, b } if equality.name == "ends" => {

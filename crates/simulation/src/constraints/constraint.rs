@@ -23,7 +23,7 @@ pub enum Constraint {
     RollingDisc(RollingDisc),
     /// A linear relation between coordinates.
     Coupling(Coupling),
-    /// A polynomial relation between the positions of two joints.
+    /// A polynomial relation between the positions of two joints or the lengths of two tendons.
     PolynomialCoupling(PolynomialCoupling),
 }
 

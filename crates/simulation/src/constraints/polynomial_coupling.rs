@@ -1,18 +1,20 @@
-//! A relation between the positions of two joints, y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most.
+//! A relation between the positions of two joints or the lengths of two tendons, y − y⁰ = p(x − x⁰), p a
+//! polynomial of degree 4 at most.
 //!
-//! φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is −p″ẋ². A row costs two entries. It is
-//! MJCF's equality of joints.
+//! φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is ÿ − p′ẍ − p″ẋ², where ÿ and ẍ are 0 except
+//! for spatial tendons. These are MJCF's equalities of joints and of tendons.
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_number::{InvalidInput, check_number};
+use robot_dynamics_number::{InputProblem, InvalidInput, check_number};
 
 use super::coupling::no_coordinate;
+use crate::equality::position::CoupledPosition;
 use crate::equality::relation::Relation;
 
-/// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints.
+/// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints or of tendons.
 ///
-/// φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is −p″ẋ².
+/// φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is ÿ − p′ẍ − p″ẋ².
 ///
 /// ```
 /// use robot_dynamics::constraints::{ConstraintSet, PolynomialCoupling};
@@ -29,10 +31,10 @@ use crate::equality::relation::Relation;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolynomialCoupling {
-    /// y − y⁰ and x − x⁰; the latter empty without a leader.
-    pub(super) joint: JointSum,
-    pub(super) leader: JointSum,
-    pub(super) polynomial: [f64; 5],
+    /// y − y⁰ and x − x⁰; the latter 0 without a leader.
+    position: CoupledPosition,
+    leader: CoupledPosition,
+    polynomial: [f64; 5],
 }
 
 impl PolynomialCoupling {
@@ -46,27 +48,78 @@ impl PolynomialCoupling {
         leader: Option<(&str, f64)>,
         polynomial: [f64; 5],
     ) -> Result<Self, InvalidInput> {
-        let numbers = polynomial.into_iter().chain([joint.1]).chain(leader.map(|leader| leader.1));
-        for value in numbers {
-            check_number("a number of a polynomial coupling", value)?;
-        }
         let position = |(name, reference): (&str, f64)| {
             let own = model.joints().iter().find(|own| own.name == name);
             let is_single = own.is_some_and(|own| own.nv == 1 || own.mimic.is_some());
             if is_single {
-                Ok(JointSum::new(model, -reference, [(name, 1.0)]))
+                Ok(CoupledPosition::Joints(JointSum::new(model, -reference, [(name, 1.0)])))
             } else {
                 Err(no_coordinate(model, name))
             }
         };
-        let leader = leader.map_or(Ok(JointSum::default()), position)?;
-        Ok(Self { joint: position(joint)?, leader, polynomial })
+        Self::of_positions(joint, leader, polynomial, position)
     }
 
-    /// The row of the two joints.
+    /// A coupling of the lengths of tendons, given by name, each with its reference length \[m, or the unit
+    /// of its joints\].
+    ///
+    /// ```
+    /// use robot_dynamics::constraints::{ConstraintSet, PolynomialCoupling};
+    /// use robot_dynamics::description::{TendonDescription, double_pendulum};
+    /// use robot_dynamics::model::{Model, Workspace};
+    /// let mut robot = double_pendulum([1.0, 1.0], [1.0, 1.0]);
+    /// let joints: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    /// let belt = [(joints[0].clone(), 0.5), (joints[1].clone(), 0.5)];
+    /// robot.tendons.push(TendonDescription::new("belt", belt));
+    /// let model = Model::new(robot)?;
+    /// let held = PolynomialCoupling::of_tendons(&model, ("belt", 0.0), None, [0.2, 0.0, 0.0, 0.0, 0.0])?;
+    /// let set = ConstraintSet::new(&model, [("held", held.into())])?;
+    /// let rows = set.rows(&model, &mut Workspace::new(&model), &[0.1, 0.3], &[0.0; 2]);
+    /// assert!(rows.position_error[0].abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InvalidInput`]: a tendon does not exist, or a number is not finite.
+    pub fn of_tendons(
+        model: &Model,
+        tendon: (&str, f64),
+        leader: Option<(&str, f64)>,
+        polynomial: [f64; 5],
+    ) -> Result<Self, InvalidInput> {
+        let position = |(name, reference): (&str, f64)| {
+            CoupledPosition::of_tendon(model, name, reference).ok_or_else(|| {
+                let owner = format!("robot `{}`", model.name());
+                let known = "; its description lists them as tendons and spatial_tendons".to_owned();
+                InvalidInput::new("tendon", InputProblem::UnknownName { name: name.into(), owner, known })
+            })
+        };
+        Self::of_positions(tendon, leader, polynomial, position)
+    }
+
+    fn of_positions(
+        own: (&str, f64),
+        leader: Option<(&str, f64)>,
+        polynomial: [f64; 5],
+        position: impl Fn((&str, f64)) -> Result<CoupledPosition, InvalidInput>,
+    ) -> Result<Self, InvalidInput> {
+        let numbers = polynomial.into_iter().chain([own.1]).chain(leader.map(|leader| leader.1));
+        for value in numbers {
+            check_number("a number of a polynomial coupling", value)?;
+        }
+        let leader = leader.map_or(Ok(CoupledPosition::default()), &position)?;
+        Ok(Self { position: position(own)?, leader, polynomial })
+    }
+
+    /// Whether a coordinate changes one of the two positions.
+    pub(super) fn is_movable(&self, model: &Model) -> bool {
+        [&self.position, &self.leader].iter().any(|position| !position.coordinates(model).is_empty())
+    }
+
+    /// The row of the two positions.
     pub(super) fn relation(&self) -> Relation {
         Relation::Polynomial {
-            joint: self.joint.clone(),
+            position: self.position.clone(),
             leader: self.leader.clone(),
             polynomial: self.polynomial,
         }

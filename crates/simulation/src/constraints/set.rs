@@ -72,8 +72,8 @@ impl ConstraintSet {
         Ok(set.with_rows(model))
     }
 
-    /// The active equalities of the robot's description. Joints become [`PolynomialCoupling`]s, and
-    /// connections and welds [`FrameConstraint`]s between the frames that the robot has for them
+    /// The active equalities of the robot's description. Joints and tendons become [`PolynomialCoupling`]s,
+    /// and connections and welds [`FrameConstraint`]s between the frames that the robot has for them
     /// ([`EqualityDescription::frames`]). Relations of locked joints are left out.
     ///
     /// ```
@@ -103,6 +103,15 @@ impl ConstraintSet {
                     }
                     let leader = leader.as_ref().map(|(name, reference)| (name.as_str(), *reference));
                     PolynomialCoupling::new(model, (&joint.0, joint.1), leader, *polynomial)?.into()
+                }
+                Equality::Tendons { tendon, leader, polynomial } => {
+                    let leader = leader.as_ref().map(|(name, reference)| (name.as_str(), *reference));
+                    let coupling =
+                        PolynomialCoupling::of_tendons(model, (&tendon.0, tendon.1), leader, *polynomial)?;
+                    if !coupling.is_movable(model) {
+                        continue;
+                    }
+                    coupling.into()
                 }
                 Equality::Connect { .. } => joined(model, equality, &FrameConstraint::BALL)?,
                 Equality::Weld { .. } => joined(model, equality, &FrameConstraint::WELD)?,

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use robot_dynamics_core::Model;
-use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::model::WORLD;
 
 use super::direction::ConstrainedDirection;
+use super::position::CoupledPosition;
 use super::site::Site;
 
 /// An equality with its rows.
@@ -14,8 +14,8 @@ use super::site::Site;
 pub(crate) enum Relation {
     /// Between two sites a and b.
     Sites([Site; 2], Vec<ConstrainedDirection>),
-    /// y = p(x) of two sums of joint positions.
-    Polynomial { joint: JointSum, leader: JointSum, polynomial: [f64; 5] },
+    /// y = p(x) of two positions.
+    Polynomial { position: CoupledPosition, leader: CoupledPosition, polynomial: [f64; 5] },
     /// Σ cᵢvᵢ = 0; φ = Σ cᵢqᵢ − offset of these entries of q, if they are plain numbers.
     Sum { terms: Vec<(usize, f64)>, positions: Option<Vec<(usize, f64)>>, offset: f64 },
 }
@@ -32,6 +32,17 @@ pub(super) fn polynomial_at(polynomial: &[f64; 5], x: f64) -> [f64; 3] {
 }
 
 impl Relation {
+    /// Whether its rows depend on the placement of the bodies.
+    pub(super) fn needs_placement(&self) -> bool {
+        match self {
+            Self::Sites(..) => true,
+            Self::Polynomial { position, leader, .. } => {
+                position.needs_placement() || leader.needs_placement()
+            }
+            Self::Sum { .. } => false,
+        }
+    }
+
     /// The body that carries both sites, or [`WORLD`].
     pub(super) fn common_body(&self, model: &Model) -> usize {
         match self {
@@ -48,8 +59,10 @@ impl Relation {
                 all.extend(model.coordinates_between(common, b.body));
                 all
             }
-            Self::Polynomial { joint, leader, .. } => {
-                joint.terms().chain(leader.terms()).map(|(k, _)| k).collect()
+            Self::Polynomial { position, leader, .. } => {
+                let mut all = position.coordinates(model);
+                all.extend(leader.coordinates(model));
+                all
             }
             Self::Sum { terms, .. } => terms.iter().map(|(k, _)| *k).collect(),
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
 
+use super::position::CoupledPosition;
 use super::relation::{Relation, polynomial_at};
 use crate::placement::{BodyMotion, Placement};
 
@@ -26,6 +27,8 @@ clone_in_place! {
         placement: Placement,
         relations: Arc<[RelationRows]>,
         rows: Vec<EqualityRow>,
+        /// Derivatives of a length by all coordinates.
+        derivatives: Vec<f64>,
     }
 }
 
@@ -52,7 +55,8 @@ impl EqualityRows {
             }
             all.push(RelationRows { relation, first, common });
         }
-        Self { placement: Placement::new(model), relations: all.into(), rows }
+        let derivatives = vec![0.0; model.nv];
+        Self { placement: Placement::new(model), relations: all.into(), rows, derivatives }
     }
 
     /// The rows at the last configuration.
@@ -62,8 +66,8 @@ impl EqualityRows {
 
     /// Computes all rows at q.
     pub(crate) fn place(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
-        let Self { placement, relations, rows } = self;
-        if relations.iter().any(|placed| matches!(placed.relation, Relation::Sites(..))) {
+        let Self { placement, relations, rows, derivatives } = self;
+        if relations.iter().any(|placed| placed.relation.needs_placement()) {
             placement.set(model, workspace, q);
         }
         for RelationRows { relation, first, common } in relations.iter() {
@@ -82,12 +86,12 @@ impl EqualityRows {
                         }
                     }
                 }
-                Relation::Polynomial { joint, leader, polynomial } => {
-                    let [p, slope, _] = polynomial_at(polynomial, leader.at(q));
+                Relation::Polynomial { position, leader, polynomial } => {
+                    let [p, slope, _] = polynomial_at(polynomial, leader.at(placement, q));
                     let row = &mut rows[*first];
-                    row.begin(Some(joint.at(q) - p));
-                    joint.terms().for_each(|(k, c)| row.add(k, c));
-                    leader.terms().for_each(|(k, c)| row.add(k, -slope * c));
+                    row.begin(Some(position.at(placement, q) - p));
+                    position.each_derivative(model, placement, derivatives, |k, c| row.add(k, c));
+                    leader.each_derivative(model, placement, derivatives, |k, c| row.add(k, -slope * c));
                 }
                 Relation::Sum { terms, positions, offset } => {
                     let sum = |positions: &Vec<(usize, f64)>| {
@@ -117,10 +121,17 @@ impl EqualityRows {
                         *bias = direction.bias(&places, &moving);
                     }
                 }
-                // d/dt (ẏ − p′ẋ) = −p″ẋ² at v̇ = 0.
-                Relation::Polynomial { leader, polynomial, .. } => {
-                    let [_, _, half_curvature] = polynomial_at(polynomial, leader.at(q));
-                    bias[*first] = -2.0 * half_curvature * leader.rate(v).powi(2);
+                // d/dt (ẏ − p′ẋ) = ÿ − p′ẍ − p″ẋ².
+                Relation::Polynomial { position, leader, polynomial } => {
+                    let placement = &self.placement;
+                    let [_, slope, half_curvature] = polynomial_at(polynomial, leader.at(placement, q));
+                    let mut motion = |position: &CoupledPosition| {
+                        position.motion(model, placement, v, || {
+                            motions.get_or_insert_with(|| placement.motions(model, v))
+                        })
+                    };
+                    let ([_, second], [rate, leader_second]) = (motion(position), motion(leader));
+                    bias[*first] = second - slope * leader_second - 2.0 * half_curvature * rate.powi(2);
                 }
                 Relation::Sum { .. } => {}
             }

@@ -1,6 +1,8 @@
 //! Equalities in implicit steps, against the explicit constrained run, closed forms, and robots with a joint
 //! in place of the equality.
 
+use std::path::Path;
+
 use dynamics::{KnifeEdge, PlanarBody};
 use nalgebra::{Matrix3, Vector3, vector};
 use robot_dynamics::constraints::{
@@ -12,6 +14,7 @@ use robot_dynamics::description::{
     Base, JointDescription, JointKind, Limits, LinkDescription, LinkShape, MassProperties, PassiveForces,
     Pose, RandomRobotOptions, RobotDescription, Shape, ShapeRole, random_robot,
 };
+use robot_dynamics::mjcf::{self, LoadOptions};
 use robot_dynamics::model::{Model, Workspace, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
@@ -114,12 +117,30 @@ fn random_loops(seed: u64) -> Option<(Model, ConstraintSet, Vec<f64>, Vec<f64>)>
     Some((model, set, q, v))
 }
 
+/// Two arms and a free body with equalities of tendons over joints and along straight paths over a pulley,
+/// and a start that satisfies them.
+fn tied_tendons() -> (Model, ConstraintSet, Vec<f64>, Vec<f64>) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/mjcf/soft/tied_tendons.xml");
+    let mut robot = mjcf::load(path, &LoadOptions::default()).unwrap().description;
+    robot.equalities.retain(|equality| ["geared", "rope", "mixed"].contains(&equality.name.as_str()));
+    let model = Model::new(robot).unwrap();
+    let set = ConstraintSet::from_equalities(&model).unwrap();
+    assert_eq!(set.row_names(), ["geared.position", "rope.position", "mixed.position"]);
+    let mut q = neutral(&model);
+    let mut v: Vec<f64> = (0..model.nv()).map(|k| (3.0 * k as f64).cos()).collect();
+    let (workspace, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
+    project_position(&model, workspace, &set, &options, 1e-13, &mut q).unwrap();
+    project_velocity(&model, workspace, &set, &options, &q, &mut v).unwrap();
+    (model, set, q, v)
+}
+
 /// Against the explicit constrained run (RK4 with its own projections): halving h divides the error by 4.
 #[test]
 fn loops_have_order_2() {
     let mut cases = 0;
     let (bars, pin, q) = four_bars(0.6);
     let mut all = vec![("four bars".to_owned(), (bars, pin, q, vec![0.0; 3]))];
+    all.push(("tied tendons".to_owned(), tied_tendons()));
     all.extend((0..12).filter_map(|seed| Some((format!("robot {seed}"), random_loops(seed)?))));
     for (name, (model, set, q, v)) in &all {
         let time = 0.2;

@@ -1,11 +1,12 @@
 //! Spatial tendons: derivatives of lengths, forces from energies, energy accounts, and stiff springs.
 
+use robot_dynamics::constraints::{ConstraintSet, PolynomialCoupling};
 use robot_dynamics::description::{
     FrameDescription, PassiveForces, Pose, RandomRobotOptions, RobotDescription, SpatialTendonDescription,
     TendonPathElement, TendonSurface, random_robot,
 };
 use robot_dynamics::mjcf::{LoadOptions, parse};
-use robot_dynamics::model::{Model, integrate, neutral, random_state};
+use robot_dynamics::model::{Model, Workspace, integrate, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Actuation, Effect, Integrator, Method, Run, RunOptions, SimulationBuilder};
 
@@ -189,4 +190,47 @@ fn all_methods_reach_one_motion_and_account_for_its_energy() {
         let adaptive = run(&model, Method::Adaptive, 1e-2, 50);
         assert!(distance(&adaptive) < 1e-6, "{:e}", distance(&adaptive));
     }
+}
+
+/// A and Ȧv of relations between lengths are derivatives of φ along a motion with constant v, by differences
+/// of order 4 over 4e-4 s.
+#[test]
+fn rows_of_coupled_lengths_are_derivatives() {
+    const H: f64 = 1e-4;
+    let mut curved = 0;
+    for seed in 0..40 {
+        let model = Model::new(with_tendons(seed)).unwrap();
+        let coupling = |own: &str, leader: &str| {
+            let polynomial = [0.1, -0.8, 0.3, -0.1, 0.05];
+            PolynomialCoupling::of_tendons(&model, (own, 0.3), Some((leader, 0.5)), polynomial)
+                .unwrap()
+                .into()
+        };
+        let pairs = [("tendon_0", "tendon_1"), ("tendon_2", "tendon_3")];
+        let set =
+            ConstraintSet::new(&model, pairs.map(|(own, leader)| (own, coupling(own, leader)))).unwrap();
+        let state = random_state(&model, &mut SplitMix64::new(seed));
+        let mut workspace = Workspace::new(&model);
+        let rows = set.rows(&model, &mut workspace, &state.q, &state.v);
+        let way = |h: f64| state.v.iter().map(|v| v * h).collect::<Vec<_>>();
+        let at = [-2.0, -1.0, 1.0, 2.0].map(|times| {
+            let mut q = state.q.clone();
+            integrate(&model, &state.q, &way(times * H), &mut q);
+            set.rows(&model, &mut workspace, &q, &state.v)
+        });
+        let speed = 1.0 + state.v.iter().map(|v| v * v).sum::<f64>();
+        let rate = |rows: &robot_dynamics::constraints::ConstraintRows, i: usize| {
+            rows.matrix.row(i).iter().zip(&state.v).map(|(entry, v)| entry * v).sum::<f64>()
+        };
+        let slope = |values: [f64; 4]| (values[0] - values[3] + 8.0 * (values[2] - values[1])) / (12.0 * H);
+        for i in 0..2 {
+            let found = slope(at.each_ref().map(|rows| rows.position_error[i]));
+            assert!((found - rate(&rows, i)).abs() < 1e-8 * speed, "robot {seed}, row {i}: {found}");
+            let found = slope(at.each_ref().map(|rows| rate(rows, i)));
+            let off = (found - rows.bias[i]).abs();
+            assert!(off < 1e-7 * speed, "robot {seed}, row {i}: {found} for {}", rows.bias[i]);
+            curved += usize::from(rows.bias[i].abs() > 1e-3);
+        }
+    }
+    assert!(curved > 60, "{curved}");
 }

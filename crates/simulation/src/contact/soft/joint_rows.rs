@@ -69,7 +69,7 @@ impl JointRows {
         self.add_limit_rows((q, h), &mut active, &mut rows);
         self.add_turn_rows((q, h), &mut active, &mut rows);
         self.add_tendon_rows((q, h), &mut active, &mut rows);
-        self.add_equality_rows((q, h), &mut rows);
+        self.add_equality_rows(bodies, state, &mut rows);
         self.add_path_rows(bodies, state, &mut active, &mut rows);
         let RowBuilder { problem, asked } = rows;
         for connection in &self.connections {
@@ -178,25 +178,26 @@ impl JointRows {
         }
     }
 
-    fn add_equality_rows(&self, (q, h): (&[f64], f64), rows: &mut RowBuilder<'_>) {
+    /// Adds polynomial relations of joints and of tendons.
+    fn add_equality_rows(&self, bodies: &Bodies, state: &StepState<'_>, rows: &mut RowBuilder<'_>) {
+        let StepState { h, q, v, model, .. } = *state;
+        let placement = &bodies.placement;
         for equal in &self.equalities {
             let [c0, c1, c2, c3, c4] = equal.polynomial;
-            let x = equal.leader.map_or(0.0, |(at, _, reference)| q[at] - reference);
+            let x = equal.leader.at(placement, q);
             let value = c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)));
             let slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4));
-            let (at, coordinate, reference) = equal.joint;
-            let response = Response::new(&equal.softness, h, q[at] - reference - value);
-            let leader = equal.leader.map(|(_, leader, _)| leader);
-            let (least, most) = (
-                leader.map_or(coordinate, |leader| leader.min(coordinate)),
-                leader.map_or(coordinate, |leader| leader.max(coordinate)),
-            );
-            let support = core::iter::once(least).chain((most != least).then_some(most));
-            let row = rows.problem.push(LINE, 1, support);
-            let (support, entries) = rows.problem.last();
-            for (&k, entry) in support.iter().zip(entries) {
-                *entry = if k == coordinate { 1.0 } else { -slope };
-            }
+            let response = Response::new(&equal.softness, h, equal.position.at(placement, q) - value);
+            let mut derivatives: Vec<(usize, f64)> = equal.support.iter().map(|&k| (k, 0.0)).collect();
+            let mut add = |k: usize, entry: f64| {
+                if let Ok(at) = derivatives.binary_search_by_key(&k, |(own, _)| *own) {
+                    derivatives[at].1 += entry;
+                }
+            };
+            let mut row = vec![0.0; v.len()];
+            equal.position.each_derivative(model, placement, &mut row, &mut add);
+            equal.leader.each_derivative(model, placement, &mut row, |k, entry| add(k, -slope * entry));
+            let row = rows.problem.push_row(LINE, 1.0, &derivatives);
             rows.problem.soften(response.softness(equal.weight));
             rows.asked.push(RowReference::new(RowOrigin::Stop, row, response.damping, response.spring));
         }

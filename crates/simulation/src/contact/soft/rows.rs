@@ -1,6 +1,6 @@
 //! The rows of A of constraints, and those of joints: limits, friction, equalities.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -8,12 +8,13 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::sparse::{coordinate_parents, dof_ancestors};
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_description::{
-    Equality, JointKind, JointSolverImpedance, SolverImpedance, TendonSolverImpedance,
+    Equality, JointKind, JointSolverImpedance, RobotDescription, SolverImpedance, TendonSolverImpedance,
 };
 
 use super::connection::Connection;
 use super::point_rows::tendon_length;
 use super::weights::InverseWeights;
+use crate::equality::position::CoupledPosition;
 
 clone_in_place! {
     /// The constraints of joints and tendons.
@@ -96,11 +97,13 @@ pub(super) struct PathRows {
     pub(super) weight: f64,
 }
 
-/// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
+/// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of two positions.
 #[derive(Clone, Debug)]
 pub(super) struct PolynomialEquality {
-    pub(super) joint: (usize, usize, f64),
-    pub(super) leader: Option<(usize, usize, f64)>,
+    pub(super) position: CoupledPosition,
+    pub(super) leader: CoupledPosition,
+    /// The coordinates of both, in increasing order.
+    pub(super) support: Vec<usize>,
     pub(super) polynomial: [f64; 5],
     pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
@@ -193,24 +196,35 @@ impl JointRows {
     fn add_equalities(&mut self, model: &Model, weights: &InverseWeights) {
         for equality in model.description().equalities.iter().filter(|own| own.active) {
             let softness = SolverImpedance { solref: equality.solref, solimp: equality.solimp };
-            let single = |(name, reference): &(String, f64)| {
-                let joint = model.joints.iter().find(|own| own.name == *name && own.nv == 1)?;
-                Some((joint.q_index, joint.v_index, *reference))
+            let of_joint = |(name, reference): &(String, f64)| {
+                let sum = JointSum::new(model, -*reference, [(name.as_str(), 1.0)]);
+                let weight = sum.terms().map(|(k, c)| c * c * weights.coordinates[k]).sum();
+                (CoupledPosition::Joints(sum), weight)
+            };
+            let of_tendon = |(name, reference): &(String, f64)| {
+                let RobotDescription { tendons, spatial_tendons, .. } = model.description();
+                let names = tendons.iter().map(|own| &own.name);
+                let number =
+                    names.chain(spatial_tendons.iter().map(|own| &own.name)).position(|own| own == name);
+                let position = CoupledPosition::of_tendon(model, name, *reference).unwrap_or_default();
+                (position, number.map_or(0.0, |number| weights.tendons[number]))
             };
             match &equality.kind {
                 Equality::Joints { joint, leader, polynomial } => {
-                    let (Some(joint), leader) = (single(joint), leader.as_ref().and_then(single)) else {
-                        continue;
-                    };
-                    let other = leader.map_or(0.0, |leader| weights.coordinates[leader.1]);
-                    let weight = weights.coordinates[joint.1] + other;
-                    self.equalities.push(PolynomialEquality {
-                        joint,
-                        leader,
-                        polynomial: *polynomial,
+                    self.add_polynomial(
+                        model,
+                        [Some(of_joint(joint)), leader.as_ref().map(of_joint)],
+                        *polynomial,
                         softness,
-                        weight,
-                    });
+                    );
+                }
+                Equality::Tendons { tendon, leader, polynomial } => {
+                    self.add_polynomial(
+                        model,
+                        [Some(of_tendon(tendon)), leader.as_ref().map(of_tendon)],
+                        *polynomial,
+                        softness,
+                    );
                 }
                 Equality::Connect { a: (a, _), b: (b, _) } | Equality::Weld { a, b, .. } => {
                     let sides = ["a", "b"].map(|side| model.frame(&equality.frame_name(side)));
@@ -223,6 +237,24 @@ impl JointRows {
                 }
             }
         }
+    }
+
+    /// Adds a relation of positions with their weights, unless no coordinate changes the first one.
+    fn add_polynomial(
+        &mut self,
+        model: &Model,
+        positions: [Option<(CoupledPosition, f64)>; 2],
+        polynomial: [f64; 5],
+        softness: SolverImpedance,
+    ) {
+        let [(position, weight), (leader, other)] = positions.map(Option::unwrap_or_default);
+        let own = position.coordinates(model);
+        if own.is_empty() {
+            return;
+        }
+        let support = own.into_iter().chain(leader.coordinates(model)).collect::<BTreeSet<_>>();
+        let (support, weight) = (support.into_iter().collect(), weight + other);
+        self.equalities.push(PolynomialEquality { position, leader, support, polynomial, softness, weight });
     }
 
     fn add_paths(&mut self, model: &Model, weights: &InverseWeights) {

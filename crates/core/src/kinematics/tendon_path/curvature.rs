@@ -1,0 +1,236 @@
+//! ℓ̈ of a spatial tendon at v̇ = 0.
+//!
+//! A straight part d with the direction u has ℓ̈ = u·d̈ + (|ḋ|² − (u·ḋ)²)/ℓ. The length of a path around a
+//! surface is a closed form of its two ends in the axes of the surface, and nested dual numbers give its
+//! second derivative by time. A path that touches a surface from inside has the least length over the
+//! positions φ of the touching point, so that ℓ̈ = L_tt − Σ L_φt²/L_φφ.
+
+use core::f64::consts::TAU;
+
+use nalgebra::Vector3;
+use robot_dynamics_description::TendonSurface;
+use robot_dynamics_number::{Dual, Scalar};
+
+use super::wrapping::Wrap;
+use super::{BodyPoint, BodySurface, Segment, TendonPath};
+use crate::kinematics::body_placement::{BodyMotion, Placement};
+use crate::model::WORLD;
+
+/// A number with its first and second derivative by time.
+type Moving = Dual<Dual<f64, 1>, 1>;
+
+/// The position, velocity and acceleration of a point.
+#[derive(Clone, Copy)]
+struct PointMotion {
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+}
+
+impl TendonPath {
+    /// ℓ̈ at v̇ = 0 \[m/s²\], given the motions of all bodies at v̇ = 0.
+    pub fn bias_acceleration(&self, placement: &Placement, motions: &[BodyMotion]) -> f64 {
+        let segments = self.segments.iter();
+        segments.map(|segment| segment.share * segment.bias_acceleration(placement, motions)).sum()
+    }
+}
+
+impl Segment {
+    fn bias_acceleration(&self, placement: &Placement, motions: &[BodyMotion]) -> f64 {
+        let [from, to] = self.ends.map(|end| point_motion(end, placement, motions));
+        let wrapped = self.surface.and_then(|surface| {
+            let found = surface.wrap(placement, [from.position, to.position])?;
+            Some((surface, found))
+        });
+        let Some((surface, found)) = wrapped else {
+            return straight(&from, &to).acceleration();
+        };
+        let ends = [from, to].map(|point| surface.relative_motion(&point, placement, motions));
+        let (axes, origin) = surface.place(placement);
+        let [a, b] = found.ends.map(|end| axes.tr_mul(&(end - origin)));
+        let side = surface.side.map(|side| axes.tr_mul(&(side.in_world(placement) - origin)));
+        let flat = |point: &Vector3<f64>| match surface.kind {
+            TendonSurface::Sphere => *point,
+            TendonSurface::Cylinder => Vector3::new(point.x, point.y, 0.0),
+        };
+        let flat_ends = ends.map(|end| PointMotion {
+            position: flat(&end.position),
+            velocity: flat(&end.velocity),
+            acceleration: flat(&end.acceleration),
+        });
+        let around = if side.is_some_and(|side| side.norm() < surface.radius) {
+            touch(&flat_ends, flat(&a), surface.kind)
+        } else {
+            around(&flat_ends, surface.radius, flat_arc(&found, (a - b).z, surface.kind))
+        };
+        match surface.kind {
+            TendonSurface::Sphere => around.acceleration(),
+            TendonSurface::Cylinder => {
+                let [from, to] = ends.map(|end| end.component(2));
+                let rise = to - from;
+                (around * around + rise * rise).sqrt().acceleration()
+            }
+        }
+    }
+}
+
+/// The length of the arc in the plane across the axis of a surface.
+fn flat_arc(found: &Wrap, rise: f64, kind: TendonSurface) -> f64 {
+    match kind {
+        TendonSurface::Sphere => found.length,
+        TendonSurface::Cylinder => (found.length * found.length - rise * rise).max(0.0).sqrt(),
+    }
+}
+
+/// The distance of two points.
+fn straight(from: &PointMotion, to: &PointMotion) -> Moving {
+    let way = [0, 1, 2].map(|k| to.component(k) - from.component(k));
+    norm(&way)
+}
+
+/// The length of two tangents and an arc: √(|a|² − r²) + √(|b|² − r²) + r (θ − acos(r/|a|) − acos(r/|b|))
+/// with the angle θ from a to b on the side of the path.
+fn around([from, to]: &[PointMotion; 2], radius: f64, arc: f64) -> Moving {
+    let number = |x: f64| Moving::constant(Dual::constant(x));
+    let [a, b] = [from, to].map(|end| [0, 1, 2].map(|k| end.component(k)));
+    let cross = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
+    let between = angle(norm(&cross), dot(&a, &b));
+    let mut length = number(0.0);
+    let mut tangents = number(0.0);
+    for end in [&a, &b] {
+        let tangent = (dot(end, end) - number(radius * radius)).sqrt();
+        length += tangent;
+        tangents += angle(tangent, number(radius));
+    }
+    let shorter = radius * (between.value.value - tangents.value.value);
+    let longer = radius * (TAU - between.value.value - tangents.value.value);
+    let turned = if (shorter - arc).abs() <= (longer - arc).abs() { between } else { number(TAU) - between };
+    length + (turned - tangents) * number(radius)
+}
+
+/// The length of the shortest path from one end to the other via a sphere, or a circle about z, which it
+/// touches at `point`.
+fn touch(ends: &[PointMotion; 2], point: Vector3<f64>, kind: TendonSurface) -> Moving {
+    let [mut length, mut rate, mut acceleration] = [0.0; 3];
+    for PointMotion { position, velocity, acceleration: second } in ends {
+        let way = position - point;
+        let distance = way.norm();
+        let along = way / distance;
+        length += distance;
+        rate += along.dot(velocity);
+        acceleration +=
+            along.dot(second) + (velocity.norm_squared() - along.dot(velocity).powi(2)) / distance;
+    }
+    // Two directions along a sphere, in the plane of the path and across it; one along a circle.
+    let normal = match kind {
+        TendonSurface::Sphere => ends[0].position.cross(&ends[1].position),
+        TendonSurface::Cylinder => Vector3::z(),
+    };
+    let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    let radius = point.norm();
+    let tangents = [normal.cross(&point), normal * radius];
+    let count = if kind == TendonSurface::Sphere { 2 } else { 1 };
+    for tangent in &tangents[..count] {
+        let [mut mixed, mut second] = [0.0; 2];
+        for PointMotion { position, velocity, .. } in ends {
+            let way = position - point;
+            let distance = way.norm();
+            let along = way / distance;
+            let slope = along.dot(tangent);
+            mixed -= (velocity.dot(tangent) - along.dot(velocity) * slope) / distance;
+            second += (tangent.norm_squared() - slope * slope) / distance + along.dot(&point);
+        }
+        if second > 0.0 {
+            acceleration -= mixed * mixed / second;
+        }
+    }
+    moving(length, rate, acceleration)
+}
+
+fn moving(value: f64, rate: f64, acceleration: f64) -> Moving {
+    Dual {
+        value: Dual { value, gradient: [rate] },
+        gradient: [Dual { value: rate, gradient: [acceleration] }],
+    }
+}
+
+fn dot(a: &[Moving; 3], b: &[Moving; 3]) -> Moving {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: &[Moving; 3]) -> Moving {
+    let square = dot(a, a);
+    // The derivatives are not defined for a vector of zeros.
+    if square.value.value == 0.0 { Moving::constant(Dual::constant(0.0)) } else { square.sqrt() }
+}
+
+/// The angle whose sine and cosine have this ratio.
+fn angle(sine: Moving, cosine: Moving) -> Moving {
+    let inner = |sine: Dual<f64, 1>, cosine: Dual<f64, 1>| {
+        let square = sine.value * sine.value + cosine.value * cosine.value;
+        let rate = (cosine.value * sine.gradient[0] - sine.value * cosine.gradient[0]) / square;
+        Dual { value: sine.value.atan2(cosine.value), gradient: [rate] }
+    };
+    let (s, c) = (sine.value, cosine.value);
+    Dual { value: inner(s, c), gradient: [(c * sine.gradient[0] - s * cosine.gradient[0]) / (s * s + c * c)] }
+}
+
+/// The second derivative by time.
+trait Acceleration {
+    fn acceleration(&self) -> f64;
+}
+
+impl Acceleration for Moving {
+    fn acceleration(&self) -> f64 {
+        self.gradient[0].gradient[0]
+    }
+}
+
+impl PointMotion {
+    fn component(&self, k: usize) -> Moving {
+        moving(self.position[k], self.velocity[k], self.acceleration[k])
+    }
+}
+
+/// The motion of a point in the world.
+fn point_motion(point: BodyPoint, placement: &Placement, motions: &[BodyMotion]) -> PointMotion {
+    let position = point.in_world(placement);
+    if point.body == WORLD {
+        return PointMotion { position, velocity: Vector3::zeros(), acceleration: Vector3::zeros() };
+    }
+    let BodyMotion { velocity, spin, acceleration, spin_rate } = motions[point.body];
+    let lever = placement.body(point.body).0 * point.position;
+    let carried = spin.cross(&lever);
+    PointMotion {
+        position,
+        velocity: velocity + carried,
+        acceleration: acceleration + spin_rate.cross(&lever) + spin.cross(&carried),
+    }
+}
+
+impl BodySurface {
+    /// The motion of a point relative to the surface, in the axes of the surface.
+    fn relative_motion(
+        &self,
+        point: &PointMotion,
+        placement: &Placement,
+        motions: &[BodyMotion],
+    ) -> PointMotion {
+        let (axes, position) = self.place(placement);
+        let center = point_motion(BodyPoint { body: self.body, position: self.origin }, placement, motions);
+        let BodyMotion { spin, spin_rate, .. } =
+            if self.body == WORLD { BodyMotion::default() } else { motions[self.body] };
+        let way = point.position - position;
+        let rate = point.velocity - center.velocity;
+        // The rate in the turning axes is ḋ − ω × d, and its rate there
+        // d̈ − ω̇ × d − 2 ω × ḋ + ω × (ω × d).
+        let acceleration =
+            point.acceleration - center.acceleration - spin_rate.cross(&way) - spin.cross(&rate) * 2.0
+                + spin.cross(&spin.cross(&way));
+        PointMotion {
+            position: axes.tr_mul(&way),
+            velocity: axes.tr_mul(&(rate - spin.cross(&way))),
+            acceleration: axes.tr_mul(&acceleration),
+        }
+    }
+}
