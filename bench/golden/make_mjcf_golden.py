@@ -37,7 +37,8 @@ DURATION, STEP, SHORT_STEP = 1.0, 0.001, 0.0002
 
 def motors(model, target, kind, values):
     """The armature of a joint or tendon from its actuators, by their gears; MuJoCo stores it separately."""
-    own = [i for i in range(model.nu) if model.actuator_trntype[i] == int(kind) and model.actuator_trnid[i][0] == target]
+    kinds = [int(kind)] + [int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)] * (kind == mujoco.mjtTrn.mjTRN_JOINT)
+    own = [i for i in range(model.nu) if model.actuator_trntype[i] in kinds and model.actuator_trnid[i][0] == target]
     return sum(float(values[i] * model.actuator_gear[i][0] ** 2) for i in own)
 
 
@@ -145,7 +146,7 @@ def state(model, random):
         "actuator_lengths": data.actuator_length.copy(),
         "actuator_velocities": data.actuator_velocity.copy(),
         "actuator_forces": data.actuator_force.copy(),
-    }
+    } | ({"actuator_torques": data.qfrc_actuator.copy()} if model.nu else {})
 
 
 def motion(path, random):

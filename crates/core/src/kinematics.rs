@@ -5,6 +5,7 @@
 //! (`model::reference_point`): about a distant origin the terms m d² would cancel significant digits.
 
 pub mod body_placement;
+pub mod frame_transmission;
 pub mod parent_inertia;
 pub mod placement;
 pub mod shifts;

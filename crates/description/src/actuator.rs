@@ -197,6 +197,41 @@ pub enum Transmission {
         /// Force and moment for a unit f.
         gear: [f64; 6],
     },
+    /// The DoFs of a spherical or floating joint along the axes of the joint's frame, which do not move with
+    /// the child: τ = Rᵀ gear·f, where R is the child's rotation in the joint's frame. ℓ is as for
+    /// [`Joint`](Self::Joint).
+    JointInParent {
+        /// Its name.
+        joint: String,
+        /// Linear before angular for a floating joint, angular alone for a spherical one.
+        gear: [f64; 6],
+        /// Whether the angular part is along the child's axes instead, as for a free joint of MuJoCo.
+        moment_in_child: bool,
+    },
+    /// A wrench on a frame along the axes of a reference frame, and its opposite on the reference. It acts
+    /// on the joints between both. ℓ is gearᵀ times the frame's position and rotation vector in the
+    /// reference, and ℓ̇ is gearᵀ times its velocity along the same axes.
+    RelativeFrame {
+        /// The name of a link or frame.
+        frame: String,
+        /// The name of the link or frame of the reference.
+        reference: String,
+        /// Force and moment for a unit f.
+        gear: [f64; 6],
+    },
+    /// A slider that moves a crank's pin by a rod. ℓ is gear times the slider's position along its z axis a,
+    /// aᵀd − √((aᵀd)² + r² − dᵀd). The pin is at d from the slider's origin, and r is the rod's length. If
+    /// the rod does not reach the pin, ℓ is gear·aᵀd.
+    SliderCrank {
+        /// The name of the frame of the pin.
+        crank: String,
+        /// The name of the frame whose z axis is the slider's.
+        slider: String,
+        /// r \[m\].
+        rod_length: f64,
+        /// The gear.
+        gear: f64,
+    },
 }
 
 impl Transmission {
@@ -209,5 +244,22 @@ impl Transmission {
     /// ```
     pub fn joint(joint: impl Into<String>, gear: f64) -> Self {
         Self::Joint { joint: joint.into(), gear: [gear, 0.0, 0.0, 0.0, 0.0, 0.0] }
+    }
+
+    /// The names of the links and frames that it refers to.
+    ///
+    /// ```
+    /// use robot_dynamics::description::Transmission;
+    /// let thrust = Transmission::Frame { frame: "rotor".into(), gear: [0.0, 0.0, 1.0, 0.0, 0.0, 0.1] };
+    /// assert_eq!(thrust.frames().collect::<Vec<_>>(), ["rotor"]);
+    /// ```
+    pub fn frames(&self) -> impl Iterator<Item = &str> {
+        let names = match self {
+            Self::Frame { frame, .. } => [Some(frame), None],
+            Self::RelativeFrame { frame, reference, .. } => [Some(frame), Some(reference)],
+            Self::SliderCrank { crank, slider, .. } => [Some(crank), Some(slider)],
+            Self::Joint { .. } | Self::JointInParent { .. } | Self::Tendon { .. } => [None, None],
+        };
+        names.into_iter().flatten().map(String::as_str)
     }
 }

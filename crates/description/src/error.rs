@@ -51,6 +51,14 @@ pub enum ModelError {
         /// The fault and its remedy.
         problem: &'static str,
     },
+    /// The transmission of an actuator is invalid.
+    #[error("actuator `{actuator}`: {problem}")]
+    Transmission {
+        /// The actuator.
+        actuator: String,
+        /// The fault and its remedy.
+        problem: &'static str,
+    },
     /// A joint, frame or mimic joint refers to an unknown name.
     #[error("{user} refers to {sort} `{name}`, which does not exist")]
     UnknownName {

@@ -167,7 +167,7 @@ impl Reader<'_> {
             let gear = match transmission {
                 Transmission::Joint { gear, .. } => gear[0],
                 Transmission::Tendon { gear, .. } => *gear,
-                Transmission::Frame { .. } => return None,
+                _ => return None,
             };
             let limits = target.filter(|limits| limits.lower.is_finite() && limits.upper.is_finite())?;
             let [a, b] = [limits.lower * gear, limits.upper * gear];
@@ -202,19 +202,17 @@ impl Reader<'_> {
         tendons: &HashMap<String, usize>,
     ) -> Option<Transmission> {
         let gear = self.overlay(element, "gear", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let to_joint =
-            ["joint", "jointinparent"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
-        if let Some((word, name)) = to_joint {
-            let joint = self.joint_named(element, name, table)?;
-            let along_world = joint.motion == JointType::Free && gear[..3].iter().any(|&x| x != 0.0);
-            let in_parent =
-                word == "jointinparent" && !matches!(joint.motion, JointType::Hinge | JointType::Slide);
-            if along_world || in_parent {
-                let message = "a force of a free or ball joint that is not along the axes of the body is not in the model";
-                self.report_ignored_physics(element, message);
-                return None;
-            }
-            return Some(Transmission::Joint { joint: joint.name.clone(), gear });
+        // The last target of a file in MuJoCo's order wins.
+        if let Some(name) = self.text(element, "site") {
+            let frame = self.frame_of_site(element, table, name)?;
+            let Some(reference) = self.text(element, "refsite") else {
+                return Some(Transmission::Frame { frame, gear });
+            };
+            let reference = self.frame_of_site(element, table, reference)?;
+            return Some(Transmission::RelativeFrame { frame, reference, gear });
+        }
+        if let Some(crank) = self.text(element, "cranksite") {
+            return self.slider_crank(element, table, crank, gear[0]);
         }
         if let Some(name) = self.text(element, "tendon") {
             if tendons.contains_key(name) {
@@ -223,29 +221,59 @@ impl Reader<'_> {
             self.refuse_unknown_name(element, "tendon", name);
             return None;
         }
-        if let Some(name) = self.text(element, "site") {
-            if self.text(element, "refsite").is_some() {
-                self.report_ignored_physics(
-                    element,
-                    "refsite: an actuator between two sites is not in the model",
-                );
-                return None;
-            }
-            let Some(site) = table.site(name) else {
-                self.refuse_unknown_name(element, "site", name);
-                return None;
-            };
-            return Some(Transmission::Frame { frame: site.frame.clone(), gear });
+        let to_joint =
+            ["jointinparent", "joint"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
+        if let Some((word, name)) = to_joint {
+            let own = self.joint_named(element, name, table)?;
+            let joint = own.name.clone();
+            let in_parent = word == "jointinparent";
+            let is_linear = gear[..3].iter().any(|&x| x != 0.0);
+            return Some(match own.motion {
+                JointType::Ball if in_parent => {
+                    Transmission::JointInParent { joint, gear, moment_in_child: false }
+                }
+                JointType::Free if in_parent || is_linear => {
+                    Transmission::JointInParent { joint, gear, moment_in_child: !in_parent }
+                }
+                _ => Transmission::Joint { joint, gear },
+            });
         }
-        if ["body", "cranksite"].iter().any(|word| self.text(element, word).is_some()) {
-            self.report_ignored_physics(
-                element,
-                "an actuator of a body or of a slider and crank is not in the model",
-            );
+        if self.text(element, "body").is_some() {
+            self.report_ignored_physics(element, "an actuator of a body is not in the model");
         } else {
             self.refuse(element, "it has no target; give it a joint, a tendon or a site");
         }
         None
+    }
+
+    /// The frame of a site of the file.
+    fn frame_of_site(&mut self, element: &Element, table: &ElementTable, name: &str) -> Option<String> {
+        let frame = table.site(name).map(|site| site.frame.clone());
+        if frame.is_none() {
+            self.refuse_unknown_name(element, "site", name);
+        }
+        frame
+    }
+
+    fn slider_crank(
+        &mut self,
+        element: &Element,
+        table: &ElementTable,
+        crank: &str,
+        gear: f64,
+    ) -> Option<Transmission> {
+        let crank = self.frame_of_site(element, table, crank)?;
+        let Some(slider) = self.text(element, "slidersite") else {
+            self.refuse(element, "slidersite is missing; give the site of the slider");
+            return None;
+        };
+        let slider = self.frame_of_site(element, table, slider)?;
+        let rod_length = self.number(element, "cranklength").unwrap_or(0.0);
+        if !(rod_length > 0.0 && rod_length.is_finite()) {
+            self.refuse(element, "cranklength, the length of the rod, must be positive");
+            return None;
+        }
+        Some(Transmission::SliderCrank { crank, slider, rod_length, gear })
     }
 
     /// The limits of the joint or tendon that the actuator acts on.
@@ -256,7 +284,9 @@ impl Reader<'_> {
         robot: &RobotDescription,
         tendons: &HashMap<String, usize>,
     ) -> Option<Limits> {
-        let joint = self.text(element, "joint").and_then(|name| table.joint(name)).map(|joint| joint.limits);
+        let words = ["jointinparent", "joint"];
+        let joint = words.into_iter().find_map(|word| self.text(element, word));
+        let joint = joint.and_then(|name| table.joint(name)).map(|joint| joint.limits);
         let tendon = self.text(element, "tendon").and_then(|name| tendons.get(name));
         joint.or_else(|| {
             let over_joints = robot.tendons.iter().map(|tendon| tendon.limits);

@@ -5,9 +5,11 @@
 use std::collections::HashMap;
 
 use robot_dynamics_core::kinematics::body_placement::Placement;
+use robot_dynamics_core::kinematics::frame_transmission::FrameTransmission;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
-use robot_dynamics_core::{Model, Workspace, neutral};
-use robot_dynamics_description::{Equality, RobotDescription};
+use robot_dynamics_core::model::Joint;
+use robot_dynamics_core::{Model, ReferenceFrame, Workspace, frame_jacobian, neutral};
+use robot_dynamics_description::{Equality, Quaternion, RobotDescription, Transmission};
 
 use crate::actuator::Actuators;
 use crate::assembly::{ElementTable, JointEntry, pose_spring};
@@ -179,7 +181,9 @@ impl InitialPose {
         (bare.equalities, bare.actuators, bare.sensors, bare.poses) = Default::default();
         (bare.shapes, bare.contact_exclusions) = Default::default();
         bare.contact_pairs.clear();
-        if bare.spatial_tendons.is_empty() {
+        if bare.spatial_tendons.is_empty()
+            && robot.actuators.iter().all(|own| own.transmission.frames().next().is_none())
+        {
             bare.frames.clear();
         }
         // The base is fixed here. A floating base is added later.
@@ -207,11 +211,45 @@ impl InitialPose {
     fn row(&self, tendon: usize) -> Vec<(usize, f64)> {
         let mut row = vec![0.0; self.model.nv()];
         self.paths[tendon].length_and_row(&self.model, &self.placement, &mut row);
-        row.into_iter().enumerate().filter(|(_, entry)| *entry != 0.0).collect()
+        not_zero(row)
+    }
+
+    /// The gear of a joint along the axes of its frame, along the axes of its v.
+    fn row_in_parent(&self, joint: &str, gear: [f64; 6], moment_in_child: bool) -> Vec<f64> {
+        let Some(q) = self.model.joints().iter().find(|own| own.name == joint).map(Joint::q) else {
+            return Vec::new();
+        };
+        let q = &self.q[q];
+        let Some(&[x, y, z, w]) = q.last_chunk() else { return Vec::new() };
+        let back = |[a, b, c]: [f64; 3]| Quaternion::from_xyzw([x, y, z, w]).rotate_back([a, b, c]);
+        let [a, b, c, d, e, f] = gear;
+        let (first, second) = ([a, b, c], [d, e, f]);
+        [back(first), if moment_in_child { second } else { back(second) }].concat()
+    }
+
+    fn row_of_frame(&self, frame: &str, gear: &[f64; 6]) -> Vec<(usize, f64)> {
+        let Some(frame) = self.model.frame(frame) else { return Vec::new() };
+        let nv = self.model.nv();
+        let mut jacobian = vec![0.0; 6 * nv];
+        let workspace = &mut Workspace::new(&self.model);
+        frame_jacobian(&self.model, workspace, &self.q, frame, ReferenceFrame::Local, &mut jacobian);
+        not_zero((0..nv).map(|k| (0..6).map(|i| gear[i] * jacobian[i * nv + k]).sum()))
+    }
+
+    fn row_between_frames(&self, transmission: &Transmission) -> Vec<(usize, f64)> {
+        let Some(frames) = FrameTransmission::new(&self.model, transmission) else { return Vec::new() };
+        let mut row = vec![0.0; self.model.nv()];
+        frames.length_and_row(&self.model, &self.placement, &mut row);
+        not_zero(row)
     }
 }
 
-/// The degrees of freedom that an actuator acts on, each with its gear.
+/// The entries that are not zero, with their indices.
+fn not_zero(row: impl IntoIterator<Item = f64>) -> Vec<(usize, f64)> {
+    row.into_iter().enumerate().filter(|(_, entry)| *entry != 0.0).collect()
+}
+
+/// The derivatives of an actuator's length by the coordinates, where they are not zero.
 fn moment(
     robot: &RobotDescription,
     initial: &InitialPose,
@@ -219,12 +257,17 @@ fn moment(
     first: &[usize],
     at: usize,
 ) -> Vec<(usize, f64)> {
-    use robot_dynamics_description::Transmission::{Frame, Joint, Tendon};
+    use robot_dynamics_description::Transmission::{Frame, Joint, JointInParent, Tendon};
     let index = |name: &str| table.joints.iter().position(|joint| joint.name == name);
     match &robot.actuators[at].transmission {
         Joint { joint, gear } => index(joint)
             .map(|joint| (first[joint]..first[joint + 1]).zip(*gear).collect())
             .unwrap_or_default(),
+        JointInParent { joint, gear, moment_in_child } => {
+            let Some(joint) = index(joint) else { return Vec::new() };
+            let row = initial.row_in_parent(&table.joints[joint].name, *gear, *moment_in_child);
+            (first[joint]..first[joint + 1]).zip(row).collect()
+        }
         Tendon { tendon, gear } => {
             if let Some(path) = robot.spatial_tendons.iter().position(|own| own.name == *tendon) {
                 return initial.row(path).into_iter().map(|(k, entry)| (k, entry * gear)).collect();
@@ -233,6 +276,7 @@ fn moment(
             let terms = tendon.map(|tendon| &tendon.terms[..]).unwrap_or_default();
             terms.iter().filter_map(|(joint, c)| Some((first[index(joint)?], c * gear))).collect()
         }
-        Frame { .. } => Vec::new(),
+        Frame { frame, gear } => initial.row_of_frame(frame, gear),
+        other => initial.row_between_frames(other),
     }
 }

@@ -26,7 +26,7 @@ impl Reader<'_> {
             return;
         }
         let (target, gear) = match transmission {
-            Transmission::Joint { joint, gear } => {
+            Transmission::Joint { joint, gear } | Transmission::JointInParent { joint, gear, .. } => {
                 let own = joints.get(joint).map(|&index| &mut robot.joints[index]);
                 (own.map(|own| (&mut own.passive, &mut own.higher_terms)), gear[0])
             }
@@ -49,7 +49,9 @@ impl Reader<'_> {
                 }
                 (target, *gear)
             }
-            Transmission::Frame { .. } => {
+            Transmission::Frame { .. }
+            | Transmission::RelativeFrame { .. }
+            | Transmission::SliderCrank { .. } => {
                 self.refuse(
                     element,
                     "armature and damping are only supported for actuators of joints and tendons",

@@ -7,6 +7,7 @@
 
 mod carried_weight;
 mod coupling;
+mod dof_gear;
 mod law;
 mod measurements;
 mod pose_spring;

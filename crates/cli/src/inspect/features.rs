@@ -38,8 +38,17 @@ fn actuators(robot: &RobotDescription) -> String {
     for actuator in &robot.actuators {
         let (on, gear) = match &actuator.transmission {
             Transmission::Joint { joint, gear } => (joint.clone(), numbers(gear)),
+            Transmission::JointInParent { joint, gear, .. } => {
+                (format!("{joint} in its parent"), numbers(gear))
+            }
             Transmission::Tendon { tendon, gear } => (format!("tendon {tendon}"), short(*gear)),
             Transmission::Frame { frame, gear } => (format!("frame {frame}"), numbers(gear)),
+            Transmission::RelativeFrame { frame, reference, gear } => {
+                (format!("frame {frame} in {reference}"), numbers(gear))
+            }
+            Transmission::SliderCrank { crank, slider, gear, .. } => {
+                (format!("slider {slider} of crank {crank}"), short(*gear))
+            }
         };
         let (gain, bias) = (actuator.gain, actuator.bias);
         let of_state = if actuator.muscle.is_some() {

@@ -224,18 +224,23 @@ impl RobotDescription {
             .actuators
             .iter()
             .map(|actuator| {
-                let (sort, name, is_removed) = match &actuator.transmission {
-                    Transmission::Joint { joint, .. } => ("joint", joint, joints.contains(joint)),
-                    Transmission::Tendon { tendon, .. } => ("tendon", tendon, tendons.contains(tendon)),
-                    Transmission::Frame { frame, .. } => {
-                        ("frame", frame, frames.contains(frame) || links.contains(frame))
+                let cause = match &actuator.transmission {
+                    Transmission::Joint { joint, .. } | Transmission::JointInParent { joint, .. } => {
+                        joints.contains(joint).then_some(("joint", joint.as_str()))
+                    }
+                    Transmission::Tendon { tendon, .. } => {
+                        tendons.contains(tendon).then_some(("tendon", tendon.as_str()))
+                    }
+                    other => {
+                        let is_removed = |name: &&str| frames.contains(*name) || links.contains(*name);
+                        other.frames().find(is_removed).map(|name| ("frame", name))
                     }
                 };
-                if is_removed {
+                if let Some((sort, name)) = cause {
                     actuators.insert(actuator.name.clone());
                     notes.push(note("actuator", &actuator.name, sort, name));
                 }
-                !is_removed
+                cause.is_none()
             })
             .collect();
         for pose in self.poses.iter_mut().filter(|pose| pose.controls.len() == kept.len()) {

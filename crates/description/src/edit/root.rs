@@ -11,6 +11,8 @@ use crate::{
     RobotDescription, SensorObject, Transmission,
 };
 
+const NO_FORM: &str = "the force of its actuator has no form in the reversed coordinates";
+
 /// The joints between the old and the new root.
 struct Path {
     /// From the new root to the old one.
@@ -142,6 +144,11 @@ impl RobotDescription {
             link.clone_into(&mut joint.child);
         }
         for actuator in &mut self.actuators {
+            if let Transmission::JointInParent { joint, .. } = &actuator.transmission
+                && *joint == name
+            {
+                return Err(ModelError::Irreversible { joint: name, reason: NO_FORM });
+            }
             if let Transmission::Joint { joint, gear } = &actuator.transmission
                 && *joint == name
             {
@@ -237,15 +244,17 @@ impl RobotDescription {
     /// Adapts the actuators on a joint of several degrees of freedom.
     fn reverse_actuators(&mut self, reversed: &JointDescription) -> Result<(), ModelError> {
         for actuator in &mut self.actuators {
-            let Transmission::Joint { joint, gear } = &mut actuator.transmission else { continue };
-            if *joint != reversed.name {
-                continue;
-            }
-            match reversed.kind {
-                JointKind::Universal { .. } => gear.swap(0, 1),
-                JointKind::Planar { .. } | JointKind::Spherical => {
-                    let reason = "the force of its actuator has no form in the reversed coordinates";
-                    return Err(ModelError::Irreversible { joint: joint.clone(), reason });
+            match (&mut actuator.transmission, reversed.kind) {
+                (Transmission::Joint { joint, gear }, JointKind::Universal { .. })
+                    if *joint == reversed.name =>
+                {
+                    gear.swap(0, 1);
+                }
+                (
+                    Transmission::Joint { joint, .. } | Transmission::JointInParent { joint, .. },
+                    JointKind::Planar { .. } | JointKind::Spherical,
+                ) if *joint == reversed.name => {
+                    return Err(ModelError::Irreversible { joint: joint.clone(), reason: NO_FORM });
                 }
                 _ => {}
             }

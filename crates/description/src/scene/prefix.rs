@@ -95,9 +95,15 @@ impl Renaming<'_> {
         for ActuatorDescription { name, transmission, .. } in actuators {
             self.object(name);
             match transmission {
-                Transmission::Joint { joint, gear: _ } => self.object(joint),
+                Transmission::Joint { joint, gear: _ }
+                | Transmission::JointInParent { joint, gear: _, moment_in_child: _ } => self.object(joint),
                 Transmission::Tendon { tendon, gear: _ } => self.object(tendon),
                 Transmission::Frame { frame, gear: _ } => self.link(frame),
+                Transmission::RelativeFrame { frame: one, reference: other, gear: _ }
+                | Transmission::SliderCrank { crank: one, slider: other, rod_length: _, gear: _ } => {
+                    self.link(one);
+                    self.link(other);
+                }
             }
         }
         for SensorDescription { name, object, reference, .. } in sensors {

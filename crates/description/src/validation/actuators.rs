@@ -2,32 +2,16 @@
 
 use super::checks::{check, check_range, index_names, unknown};
 use super::names::Names;
-use crate::{Activation, ModelError, Muscle, RobotDescription, Transmission};
+use crate::{Activation, ActuatorDescription, JointKind, ModelError, Muscle, RobotDescription, Transmission};
+
+const NOT_A_BALL: &str = "a force along the axes of the joint's frame needs a spherical or floating joint; \
+                          use the transmission `Joint` for this one";
 
 pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("actuator", description.actuators.iter().map(|actuator| actuator.name.as_str()))?;
     for actuator in &description.actuators {
         let owner = format!("actuator `{}`", actuator.name);
-        let gear: &[f64] = match &actuator.transmission {
-            Transmission::Joint { joint, gear } => {
-                names.joints.get(joint.as_str()).ok_or_else(|| unknown(&owner, "joint", joint))?;
-                gear
-            }
-            Transmission::Tendon { tendon, gear } => {
-                let found = description.tendon_names().any(|own| own == tendon);
-                if !found {
-                    return Err(unknown(&owner, "tendon", tendon));
-                }
-                core::slice::from_ref(gear)
-            }
-            Transmission::Frame { frame, gear } => {
-                let is_frame = description.frames.iter().any(|own| own.name == *frame);
-                if !is_frame {
-                    names.link(&owner, frame)?;
-                }
-                gear
-            }
-        };
+        let gear = check_transmission(description, names, actuator)?;
         let laws = [actuator.gain, actuator.bias];
         let numbers = laws.iter().flat_map(|law| [law.constant, law.length, law.velocity]);
         for number in gear.iter().copied().chain(numbers) {
@@ -42,6 +26,47 @@ pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>)
         check_range(&owner, "force range", actuator.force_range)?;
     }
     Ok(())
+}
+
+/// Checks the names and returns the gear.
+fn check_transmission<'a>(
+    description: &RobotDescription,
+    names: &Names<'_>,
+    actuator: &'a ActuatorDescription,
+) -> Result<&'a [f64], ModelError> {
+    let ActuatorDescription { name: actuator, transmission, .. } = actuator;
+    let owner = &format!("actuator `{actuator}`");
+    for frame in transmission.frames() {
+        if !description.frames.iter().any(|own| own.name == *frame) {
+            names.link(owner, frame)?;
+        }
+    }
+    Ok(match transmission {
+        Transmission::Joint { joint, gear } => {
+            names.joints.get(joint.as_str()).ok_or_else(|| unknown(owner, "joint", joint))?;
+            gear
+        }
+        Transmission::JointInParent { joint, gear, .. } => {
+            let found = names.joints.get(joint.as_str()).ok_or_else(|| unknown(owner, "joint", joint))?;
+            if !matches!(found.kind, JointKind::Spherical | JointKind::Floating | JointKind::Fixed) {
+                return Err(ModelError::Transmission { actuator: actuator.into(), problem: NOT_A_BALL });
+            }
+            gear
+        }
+        Transmission::Tendon { tendon, gear } => {
+            let found = description.tendon_names().any(|own| own == tendon);
+            if !found {
+                return Err(unknown(owner, "tendon", tendon));
+            }
+            core::slice::from_ref(gear)
+        }
+        Transmission::Frame { gear, .. } | Transmission::RelativeFrame { gear, .. } => gear,
+        Transmission::SliderCrank { rod_length, gear, .. } => {
+            let is_valid = *rod_length > 0.0 && rod_length.is_finite();
+            check(is_valid, owner, "length of the rod", *rod_length, "positive and finite")?;
+            core::slice::from_ref(gear)
+        }
+    })
 }
 
 fn check_activation(owner: &str, activation: &Activation) -> Result<(), ModelError> {

@@ -46,13 +46,18 @@ impl MjcfWriter<'_> {
                     _ => None,
                 }
             }
+            Transmission::JointInParent { joint, .. } => {
+                self.is_locked(joint).then_some("its joint is locked")
+            }
             Transmission::Tendon { tendon, .. } => {
                 let tendon = self.robot.tendons.iter().find(|own| own.name == *tendon);
                 let moves =
                     tendon.is_some_and(|tendon| tendon.terms.iter().any(|(joint, _)| !self.is_locked(joint)));
                 (!moves && tendon.is_some()).then_some("no joint of its tendon moves")
             }
-            Transmission::Frame { .. } => None,
+            Transmission::Frame { .. }
+            | Transmission::RelativeFrame { .. }
+            | Transmission::SliderCrank { .. } => None,
         }
     }
 
@@ -67,9 +72,22 @@ impl MjcfWriter<'_> {
                 self.xml.attribute("tendon", tendon).unless("gear", *gear, 1.0);
             }
             Transmission::Frame { frame, gear } => {
-                let site = self.link_sites.get(frame.as_str()).unwrap_or(frame).clone();
-                self.xml.attribute("site", &site);
+                self.write_site("site", frame);
                 self.write_gear(gear);
+            }
+            Transmission::JointInParent { joint, gear, moment_in_child } => {
+                self.xml.attribute(if *moment_in_child { "joint" } else { "jointinparent" }, joint);
+                self.write_gear(gear);
+            }
+            Transmission::RelativeFrame { frame, reference, gear } => {
+                self.write_site("site", frame);
+                self.write_site("refsite", reference);
+                self.write_gear(gear);
+            }
+            Transmission::SliderCrank { crank, slider, rod_length, gear } => {
+                self.write_site("cranksite", crank);
+                self.write_site("slidersite", slider);
+                self.xml.numbers("cranklength", &[*rod_length]).unless("gear", *gear, 1.0);
             }
         }
         self.write_range(place, "ctrlrange", actuator.control_range);
@@ -94,6 +112,11 @@ impl MjcfWriter<'_> {
             self.write_law("bias", &actuator.bias);
         }
         self.xml.end();
+    }
+
+    fn write_site(&mut self, attribute: &str, frame: &str) {
+        let site = self.link_sites.get(frame).map_or(frame, String::as_str).to_owned();
+        self.xml.attribute(attribute, &site);
     }
 
     fn write_gear(&mut self, gear: &[f64; 6]) {

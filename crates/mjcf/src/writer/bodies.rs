@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use nalgebra::{Rotation3, UnitQuaternion};
-use robot_dynamics_description::{Base, JointKind, Pose, Quaternion, Transmission};
+use robot_dynamics_description::{Base, JointKind, Pose, Quaternion};
 use robot_dynamics_xml::excerpt;
 
 use super::MjcfWriter;
@@ -26,10 +26,10 @@ impl<'r> MjcfWriter<'r> {
             self.sites.entry(&frame.link).or_default().push(site);
         }
         for actuator in &robot.actuators {
-            if let Transmission::Frame { frame, .. } = &actuator.transmission
-                && self.link_index.contains_key(frame.as_str())
-            {
-                self.plan_link_site(frame);
+            for frame in actuator.transmission.frames() {
+                if self.link_index.contains_key(frame) {
+                    self.plan_link_site(frame);
+                }
             }
         }
         self.plan_sensor_sites();

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, TendonPathElement, Transmission};
+use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, TendonPathElement};
 
 use super::MjcfWriter;
 
@@ -38,9 +38,7 @@ impl MjcfWriter<'_> {
             }
         }
         for actuator in &robot.actuators {
-            if let Transmission::Frame { frame, .. } = &actuator.transmission {
-                names.push(frame);
-            }
+            names.extend(actuator.transmission.frames());
         }
         let paths = robot.spatial_tendons.iter().flat_map(|tendon| &tendon.path);
         names.extend(paths.flat_map(TendonPathElement::places));

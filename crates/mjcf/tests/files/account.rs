@@ -31,7 +31,7 @@ pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
     (in_file, "<tendon><spatial name='t' armature='1'><site site='s'/><site site='s'/></spatial></tendon>", r#"spatial "t""#),
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#),
     (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#),
-    (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#),
+    (in_file, "<actuator><motor name='m' site='s' refsite='s' delay='1'/></actuator>", r#"motor "m""#),
     (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#),
     (in_file, "<deformable><flex name='f'/></deformable>", "deformable"),
     (in_file, "<gravity/>", "gravity"),

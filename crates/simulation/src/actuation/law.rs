@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::{Model, gravity};
-use robot_dynamics_description::{Activation, check_length};
+use robot_dynamics_description::{Activation, ActuatorDescription, Affine, check_length};
 
 use super::pose_spring::PoseSpring;
 use super::tendon::Tendon;
@@ -198,7 +198,11 @@ impl Actuation {
                 Drive::Tendon { index, gear } => {
                     add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
                 }
-                Drive::Dofs { .. } | Drive::SpatialTendon { .. } | Drive::Frame { .. } | Drive::Nothing => {}
+                Drive::Dofs(_)
+                | Drive::SpatialTendon { .. }
+                | Drive::Frame { .. }
+                | Drive::BetweenFrames(_)
+                | Drive::Nothing => {}
             }
         }
     }
@@ -275,8 +279,8 @@ impl Actuation {
         check_length("tau", tau.len(), model.nv);
     }
 
-    /// Computes each actuator's f into `workspace.forces`. As in MuJoCo, the bound on a tendon's total force
-    /// scales the forces of its actuators first; then each is limited to its own range.
+    /// Computes each actuator's f into `workspace.forces`. As in MuJoCo, the bound on the sum of f over a
+    /// tendon's actuators scales them first; then each is limited to its own range.
     fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
         self.place_tendons(workspace, q);
         workspace.on_tendons.fill(0.0);
@@ -287,24 +291,28 @@ impl Actuation {
                 Activation::None => within(u[k], actuator.control_range),
                 _ => u[k],
             };
+            let u = drive.period().filter(|_| has_setpoint(actuator)).map_or(u, |period| {
+                // The setpoint that is nearest to ℓ among those of the same rotation, as in MuJoCo.
+                u - period * ((u - length) / period).round()
+            });
             workspace.forces[k] = actuator.unbounded_force(u, length, rate);
-            if let Some((tendon, gear)) = self.driven_tendon(drive) {
-                workspace.on_tendons[tendon] += gear * workspace.forces[k];
+            if let Some(tendon) = self.driven_tendon(drive) {
+                workspace.on_tendons[tendon] += workspace.forces[k];
             }
         }
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
-            if let Some((tendon, _)) = self.driven_tendon(drive) {
+            if let Some(tendon) = self.driven_tendon(drive) {
                 workspace.forces[k] *= self.law(tendon).scale_of(workspace.on_tendons[tendon]);
             }
             workspace.forces[k] = within(workspace.forces[k], actuator.force_range);
         }
     }
 
-    /// The number of the tendon that a transmission acts on, those over joints first, and the gear.
-    pub(super) fn driven_tendon(&self, drive: &Drive) -> Option<(usize, f64)> {
+    /// The number of the tendon that a transmission acts on, those over joints first.
+    pub(super) fn driven_tendon(&self, drive: &Drive) -> Option<usize> {
         match drive {
-            Drive::Tendon { index, gear } => Some((*index, *gear)),
-            Drive::SpatialTendon { index, gear } => Some((self.tendons.len() + index, *gear)),
+            Drive::Tendon { index, .. } => Some(*index),
+            Drive::SpatialTendon { index, .. } => Some(self.tendons.len() + index),
             _ => None,
         }
     }
@@ -330,6 +338,13 @@ impl Actuation {
             gravity(&weight.model, carried, q, &mut workspace.weight);
         }
     }
+}
+
+/// Whether u is a setpoint of ℓ: f = k (u − ℓ) and terms without u.
+fn has_setpoint(actuator: &ActuatorDescription) -> bool {
+    let ActuatorDescription { gain, bias, muscle, activation, .. } = actuator;
+    let is_position = matches!(activation, Activation::None | Activation::Integrator);
+    is_position && muscle.is_none() && *gain == Affine::constant(-bias.length)
 }
 
 /// The nearest number in a range.

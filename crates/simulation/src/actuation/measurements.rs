@@ -79,6 +79,47 @@ impl Actuation {
         self.actuators[actuator].1.length_and_rate(model, &self.tendons, &mut workspace.transmissions, state)
     }
 
+    /// Returns ℓ \[m or rad\] and ℓ̇ of each actuator's transmission, in the description's order.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// // The pendulum is a crank of 0.5 m, and the slider's axis is vertical.
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let (crank, slider) = ("tip".to_owned(), "ceiling".to_owned());
+    /// let transmission = Transmission::SliderCrank { crank, slider, rod_length: 1.3, gear: 1.0 };
+    /// robot.actuators.push(ActuatorDescription::new("press", transmission));
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let (mut length, mut rate) = ([0.0], [0.0]);
+    /// let state = (&[0.0][..], &[1.0][..]); // the crank is level
+    /// actuation.actuator_lengths(&model, &mut actuation.workspace(), state, &mut length, &mut rate);
+    /// assert!((length[0] + 1.2).abs() < 1e-15 && (rate[0].abs() - 0.5).abs() < 1e-15);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a slice has the wrong length, or the model belongs to another robot.
+    #[track_caller]
+    pub fn actuator_lengths(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        (q, v): (&[f64], &[f64]),
+        lengths: &mut [f64],
+        rates: &mut [f64],
+    ) {
+        model.check_identity(&self.robot, "the actuation");
+        check_length("q", q.len(), model.nq);
+        check_length("v", v.len(), model.nv);
+        check_length("the lengths", lengths.len(), self.actuators.len());
+        check_length("the rates", rates.len(), self.actuators.len());
+        for (k, (length, rate)) in lengths.iter_mut().zip(rates).enumerate() {
+            (*length, *rate) = self.length_and_rate(model, workspace, k, (q, v));
+        }
+    }
+
     /// Returns ℓ of all tendons \[m or rad\], and their Jacobian ∂ℓ̇/∂v by rows, one row of nv entries a
     /// tendon. Tendons over joints come first, then spatial tendons, each in the description's order.
     ///
@@ -136,7 +177,7 @@ impl Actuation {
 
     /// The sum of the actuators' forces on a tendon by its number, before their gears.
     pub(crate) fn force_on_tendon(&self, tendon: usize, forces: &[f64]) -> f64 {
-        let on_it = |drive: &Drive| self.driven_tendon(drive).is_some_and(|(index, _)| index == tendon);
+        let on_it = |drive: &Drive| self.driven_tendon(drive) == Some(tendon);
         self.actuators.iter().zip(forces).filter(|((_, drive), _)| on_it(drive)).map(|(_, force)| force).sum()
     }
 

@@ -29,4 +29,5 @@ mod simulation;
 mod soft_law;
 mod spatial_tendons;
 mod tendon_stops;
+mod transmissions;
 mod tree_integrators;
