@@ -7,6 +7,10 @@
 //! | `cone` | corners of the base; radius of the top, 0 to 1 |
 //! | `supersphere` | resolution; exponents of longitude and of latitude |
 //! | `supertorus` | resolution; minor radius; exponents of minor and of major sections |
+//! | `wedge` | resolution across and up; half angles across and up \[°\]; foveation, 0 to 1 |
+//! | `plate` | resolution across and up |
+//!
+//! A wedge is a set of points on a sphere, without faces. A plate is a flat surface, and a shell.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -48,13 +52,27 @@ pub(crate) fn builtin_mesh(shape: &str, parameters: &[f64]) -> Result<Triangles,
                 positive("its second exponent", major, f64::MAX)?,
             )
         }
+        ("wedge", &[across, up, wide, high, foveation]) => {
+            let sizes = [resolution("horizontal", across)?, resolution("vertical", up)?];
+            let angle = |name, value, most| within(name, value, f64::MIN_POSITIVE, most).map(f64::to_radians);
+            let angles =
+                [angle("its horizontal angle", wide, 180.0)?, angle("its vertical angle", high, 90.0)?];
+            wedge(sizes, angles, within("its foveation", foveation, 0.0, 1.0)?)
+        }
+        ("plate", &[across, up]) => plate([resolution("horizontal", across)?, resolution("vertical", up)?]),
         ("sphere" | "hemisphere", _) => return Err(format!("builtin={shape:?} has 1 number in params")),
-        ("cone", _) => return Err("builtin=\"cone\" has 2 numbers in params".into()),
+        ("cone" | "plate", _) => return Err(format!("builtin={shape:?} has 2 numbers in params")),
         ("supersphere", _) => return Err("builtin=\"supersphere\" has 3 numbers in params".into()),
         ("supertorus", _) => return Err("builtin=\"supertorus\" has 4 numbers in params".into()),
+        ("wedge", _) => return Err("builtin=\"wedge\" has 5 numbers in params".into()),
         _ => return Err(format!("builtin={shape:?} is not supported; save the mesh to a file")),
     };
     Ok(mesh)
+}
+
+/// The number of points along one side of a surface.
+fn resolution(side: &str, value: f64) -> Result<usize, String> {
+    whole(&format!("its {side} resolution"), value, 1.0, RESOLUTION_LIMIT)
 }
 
 fn within(name: &str, value: f64, least: f64, most: f64) -> Result<f64, String> {
@@ -63,6 +81,8 @@ fn within(name: &str, value: f64, least: f64, most: f64) -> Result<f64, String> 
     } else if most == f64::MAX {
         let bound = if least > 0.0 { "positive" } else { "0 or more" };
         Err(format!("{name}, {value}, must be {bound}"))
+    } else if least == f64::MIN_POSITIVE {
+        Err(format!("{name}, {value}, must be above 0 and at most {most}"))
     } else {
         Err(format!("{name}, {value}, must be from {least} to {most}"))
     }
@@ -238,6 +258,40 @@ fn supertorus(resolution: usize, radius: f64, minor: f64, major: f64) -> Triangl
     let mut faces = Vec::new();
     for v in 0..resolution {
         faces.extend(quads(resolution, |u| at(u, v), |u| at(u, v + 1)));
+    }
+    Triangles { points, faces }
+}
+
+/// Points on the unit sphere about −z, at the centres of a grid of azimuths and elevations. The grid extends
+/// by the given angles to both sides. With foveation it is finer in the middle.
+fn wedge(sizes: [usize; 2], angles: [f64; 2], foveation: f64) -> Triangles {
+    let edge = |axis: usize, k: usize| {
+        let x = 2.0 * k as f64 / sizes[axis] as f64 - 1.0;
+        angles[axis] * (foveation * x.powi(5) + (1.0 - foveation) * x)
+    };
+    let center = |axis: usize, k: usize| 0.5 * (edge(axis, k) + edge(axis, k + 1));
+    let mut points = Vec::with_capacity(sizes[0] * sizes[1]);
+    for i in 0..sizes[0] {
+        let (sine, cosine) = center(0, i).sin_cos();
+        points.extend((0..sizes[1]).map(|j| {
+            let (height, radius) = center(1, j).sin_cos();
+            Vector3::new(radius * sine, height, -radius * cosine)
+        }));
+    }
+    Triangles { points, faces: Vec::new() }
+}
+
+/// The centres of the cells of a grid on the square of side 2 at z = −1, joined by triangles.
+fn plate(sizes: [usize; 2]) -> Triangles {
+    let center = |axis: usize, k: usize| (2 * k + 1) as f64 / sizes[axis] as f64 - 1.0;
+    let mut points = Vec::with_capacity(sizes[0] * sizes[1]);
+    for i in 0..sizes[0] {
+        points.extend((0..sizes[1]).map(|j| Vector3::new(center(0, i), center(1, j), -1.0)));
+    }
+    let at = |i: usize, j: usize| i * sizes[1] + j;
+    let mut faces = Vec::new();
+    for j in 1..sizes[1] {
+        faces.extend(quads(sizes[0] - 1, |i| at(i, j - 1), |i| at(i, j)));
     }
     Triangles { points, faces }
 }

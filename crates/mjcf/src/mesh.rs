@@ -87,7 +87,7 @@ impl Reader<'_> {
         let builtin = self.text(element, "builtin").filter(|&shape| shape != "none").map(str::to_owned);
         let words = ["convex", "exact", "shell", "legacy"];
         let inertia = match self.word(element, "inertia", &words) {
-            _ if shell => MeshInertia::Shell,
+            _ if shell || builtin.as_deref() == Some("plate") => MeshInertia::Shell,
             Some("convex") => MeshInertia::Convex,
             Some("exact") => MeshInertia::Exact,
             Some("shell") => MeshInertia::Shell,
