@@ -42,6 +42,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
     ("xml", &["encoding_rs", "roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust"]),
     ("urdf", &["core", "description", "nalgebra", "number", "thiserror", "xml"]),
+    ("usd", &["anyhow", "description", "mesh", "nalgebra", "openusd", "thiserror", "xml", "zip"]),
     ("mjcf", &["core", "description", "mesh", "nalgebra", "thiserror", "xml"]),
     ("functions", &["core", "description", "expression", "integrators", "number", "simulation", "thiserror"]),
     (
@@ -63,6 +64,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
             "simulation",
             "thiserror",
             "urdf",
+            "usd",
             "verification",
             "xml",
         ],

@@ -44,6 +44,16 @@ impl FileSet {
         }
     }
 
+    /// All files, in the order of their paths.
+    ///
+    /// ```
+    /// let files = robot_dynamics_mjcf::FileSet::new([("b.xml", ""), ("a.xml", "")]);
+    /// assert_eq!(files.iter().next().map(|(path, _)| path.to_str()), Some(Some("a.xml")));
+    /// ```
+    pub fn iter(&self) -> impl Iterator<Item = (&Path, &[u8])> {
+        self.0.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
+    }
+
     /// The content of a file.
     pub fn get(&self, path: impl AsRef<Path>) -> Option<&[u8]> {
         self.0.get(&normalize(path.as_ref())?).map(Vec::as_slice)

@@ -1,7 +1,9 @@
 //! Loads robot files of all formats.
 
+mod content;
 mod file_error;
 
+pub(crate) use self::content::Content;
 pub use self::file_error::FileError;
 
 use std::path::Path;
@@ -99,7 +101,8 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
 /// Reads and compiles a robot file, with the base fixed to the world. Suspicious values are taken as written
 /// and reported.
 ///
-/// URDF opens no other file. SDF opens the models that it includes. A scene opens the files of its robots and
+/// URDF opens no other file. SDF opens the models that it includes, and USD, with the feature `usd`, the
+/// layers that it references. A scene opens the files of its robots and
 /// meshes. MJCF opens included and attached files, and the mesh files from which the inertia of a body comes.
 /// These files may be anywhere on the disk, unless the options confine them to the folder of the robot's file
 /// ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and opened for contact by
@@ -158,14 +161,17 @@ pub fn load_description(
     options: &LoadOptions,
 ) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
-    // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
-    let text = robot_dynamics_xml::read_file(path)
+    // A failure is reported as an error of the URDF reader.
+    let content = Content::read(path)
         .map_err(|error| robot_dynamics_urdf::LoadError::from(robot_dynamics_urdf::UrdfError::from(error)))?;
-    let mut loaded = if is_scene(&text) {
-        let source = Source::disk(path, options.confined);
-        scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
-    } else {
-        robot_from_text(&text, Some(path), options)?
+    let mut loaded = match content {
+        #[cfg(feature = "usd")]
+        Content::Usd(content) => robot_dynamics_usd::parse_as(&content, path, options)?.into(),
+        Content::Text(text) if is_scene(&text) => {
+            let source = Source::disk(path, options.confined);
+            scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
+        }
+        Content::Text(text) => robot_from_text(&text, Some(path), options)?,
     };
     add_srdf(&mut loaded, options, None)?;
     Ok(loaded)
@@ -177,6 +183,13 @@ fn robot_from_text(
     path: Option<&Path>,
     options: &LoadOptions,
 ) -> Result<LoadedDescription, FileError> {
+    #[cfg(feature = "usd")]
+    if robot_dynamics_usd::is_usd(text.as_bytes()) {
+        return Ok(match path {
+            Some(path) => robot_dynamics_usd::parse_as(text.as_bytes(), path, options)?.into(),
+            None => robot_dynamics_usd::parse_with_files(text.as_bytes(), "robot.usda", [], options)?.into(),
+        });
+    }
     Ok(match (is_mjcf(text), path) {
         (true, Some(path)) => robot_dynamics_mjcf::parse_as(text, path, options)?.into(),
         (true, None) => robot_dynamics_mjcf::parse(text, options)?.into(),
@@ -186,9 +199,19 @@ fn robot_from_text(
 }
 
 /// Reads a robot of a scene.
-fn robot_of_scene(text: &str, source: &Source<'_>, options: &LoadOptions) -> Result<ReadFile, Vec<String>> {
-    let read = |path| {
-        let mut loaded = robot_from_text(text, path, options)?;
+fn robot_of_scene(
+    content: &Content,
+    source: &Source<'_>,
+    options: &LoadOptions,
+) -> Result<ReadFile, Vec<String>> {
+    let read = |path: Option<&Path>| {
+        let mut loaded = match content {
+            Content::Text(text) => robot_from_text(text, path, options)?,
+            #[cfg(feature = "usd")]
+            Content::Usd(content) => {
+                robot_dynamics_usd::parse_as(content, path.unwrap_or(Path::new("robot.usd")), options)?.into()
+            }
+        };
         add_srdf(&mut loaded, options, None)?;
         Ok(loaded)
     };
@@ -251,12 +274,16 @@ pub fn load_description_from_files(
     options: &LoadOptions,
 ) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
-    let mut loaded = match files.get(path).map(robot_dynamics_xml::text_of) {
-        Some(Ok(text)) if is_scene(&text) => {
+    let mut loaded = match files.get(path).map(Content::of) {
+        #[cfg(feature = "usd")]
+        Some(Ok(Content::Usd(content))) => {
+            robot_dynamics_usd::parse_with_files(&content, path, files.iter(), options)?.into()
+        }
+        Some(Ok(Content::Text(text))) if is_scene(&text) => {
             let source = Source::Memory { files, path: path.to_owned() };
             scene_file::read(&text, &source, &mut Shared::new(options, robot_of_scene))?.into()
         }
-        Some(Ok(text)) if !is_mjcf(&text) => {
+        Some(Ok(Content::Text(text))) if !is_mjcf(&text) => {
             let content = |path: &Path| files.get(path).map(<[u8]>::to_vec);
             robot_dynamics_urdf::parse_with_files(&text, path, &content, options)?.into()
         }
@@ -314,6 +341,15 @@ impl From<ReadFile> for LoadedDescription {
 impl From<robot_dynamics_urdf::Robot> for LoadedDescription {
     fn from(
         robot_dynamics_urdf::Robot { description, report, angles, .. }: robot_dynamics_urdf::Robot,
+    ) -> Self {
+        Self { description, report, angles }
+    }
+}
+
+#[cfg(feature = "usd")]
+impl From<robot_dynamics_usd::Robot> for LoadedDescription {
+    fn from(
+        robot_dynamics_usd::Robot { description, report, angles, .. }: robot_dynamics_usd::Robot,
     ) -> Self {
         Self { description, report, angles }
     }

@@ -21,7 +21,7 @@ const FORMATS: [(&[u8], &str, &str); 13] = [
 ];
 const ROBOT: &str = "load the robot's URDF or MJCF file";
 const ARCHIVE: &str = "unpack it, and load the robot's URDF or MJCF file";
-const USD: &str = "it is not read; export URDF or MJCF";
+const USD: &str = "this program was built without its reader; export URDF or MJCF";
 const MJB: &str = "load the XML file that it was compiled from, or save one with mj_saveLastXML";
 const MESH: &str = "load the URDF or MJCF file that names it";
 
@@ -38,7 +38,10 @@ mod tests {
     #[test]
     fn other_formats_are_named() {
         let message = |content: &[u8]| refuse_other_formats(content).expect_err("a message").to_string();
-        assert_eq!(message(b"#usda 1.0\n("), "this is USD: it is not read; export URDF or MJCF");
+        assert_eq!(
+            message(b"#usda 1.0\n("),
+            "this is USD: this program was built without its reader; export URDF or MJCF"
+        );
         assert!(message(&54321_i32.to_le_bytes()).contains("compiled MuJoCo model: load the XML file"));
         assert!(message(b"PK\x03\x04...").contains("ZIP archive: unpack it"));
         assert!(refuse_other_formats(b"\xef\xbb\xbf<?xml version=\"1.0\"?><robot/>").is_ok());

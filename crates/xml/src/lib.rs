@@ -22,5 +22,7 @@ pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::{LoadOptions, Srdf};
 pub use repair::outermost;
-pub use text::{SIZE_LIMIT, parse, read_file, read_regular_file, spellings, text_of};
+pub use text::{
+    SIZE_LIMIT, parse, read_bytes, read_file, read_regular_bytes, read_regular_file, spellings, text_of,
+};
 pub use writer::{Writer, is_name, way_from};

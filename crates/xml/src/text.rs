@@ -23,11 +23,25 @@ pub const SIZE_LIMIT: usize = 1 << 26;
 /// # Errors
 /// [`XmlError`] if the file cannot be read, is too large, is not text, or has another format.
 pub fn read_file(path: &Path) -> Result<String, XmlError> {
+    text_of(&read_bytes(path)?)
+}
+
+/// Reads the content of a file up to [`SIZE_LIMIT`] and one byte more, from which [`text_of`] sees that it is
+/// too large.
+///
+/// ```
+/// let missing = robot_dynamics_xml::read_bytes("nowhere.usdc".as_ref());
+/// assert!(matches!(missing, Err(robot_dynamics_xml::XmlError::Unreadable { .. })));
+/// ```
+///
+/// # Errors
+/// [`XmlError::Unreadable`] if the file cannot be read.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, XmlError> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(SIZE_LIMIT as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| XmlError::Unreadable { path: path.to_owned(), source })?;
-    text_of(&bytes)
+    Ok(bytes)
 }
 
 /// The spellings of a file's name that are tried: as written, and with `/` in place of `\`.
@@ -53,12 +67,25 @@ pub fn spellings(name: &str) -> impl Iterator<Item = PathBuf> {
 /// # Errors
 /// As [`read_file`], and for a file of another kind.
 pub fn read_regular_file(path: &Path) -> Result<String, XmlError> {
+    text_of(&read_regular_bytes(path)?)
+}
+
+/// Reads the content of a file that another file names, as [`read_bytes`]. It must be a regular file.
+///
+/// ```
+/// let folder = robot_dynamics_xml::read_regular_bytes(std::path::Path::new("."));
+/// assert!(folder.unwrap_err().to_string().contains("not a regular file"));
+/// ```
+///
+/// # Errors
+/// As [`read_bytes`], and for a file of another kind.
+pub fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, XmlError> {
     // A pipe is not opened, because this would wait for a writer.
     if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
         let source = std::io::Error::other("it is not a regular file");
         return Err(XmlError::Unreadable { path: path.to_owned(), source });
     }
-    read_file(path)
+    read_bytes(path)
 }
 
 /// Decodes the content of a file: UTF-8, or the encoding of its byte order mark or its XML declaration.

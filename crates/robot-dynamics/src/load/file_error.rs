@@ -24,6 +24,10 @@ pub enum FileError {
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
     Mjcf(#[from] robot_dynamics_mjcf::LoadError),
+    /// A USD file.
+    #[cfg(feature = "usd")]
+    #[error(transparent)]
+    Usd(#[from] robot_dynamics_usd::LoadError),
     /// The SRDF file of the robot: see [`LoadOptions::with_srdf`](crate::LoadOptions::with_srdf).
     #[error("{file}: {source}")]
     Srdf {
@@ -50,6 +54,8 @@ impl Classified for FileError {
         match self {
             Self::Urdf(error) => error.kind(),
             Self::Mjcf(error) => error.kind(),
+            #[cfg(feature = "usd")]
+            Self::Usd(error) => error.kind(),
             Self::Srdf { source, .. } => source.kind(),
             Self::Scene(error) => error.kind(),
             Self::Model { source, .. } => source.kind(),
@@ -63,6 +69,8 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
             Self::Mjcf(error) => error.errors().iter().map(ToString::to_string).collect(),
+            #[cfg(feature = "usd")]
+            Self::Usd(error) => error.errors().iter().map(ToString::to_string).collect(),
             Self::Srdf { file, source } => {
                 source.errors().iter().map(|error| format!("{file}: {error}")).collect()
             }
@@ -76,6 +84,8 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.unlisted(),
             Self::Mjcf(error) => error.unlisted(),
+            #[cfg(feature = "usd")]
+            Self::Usd(error) => error.unlisted(),
             Self::Srdf { source, .. } => source.unlisted(),
             Self::Scene(error) => error.unlisted(),
             Self::Model { .. } => 0,
@@ -92,6 +102,8 @@ impl FileError {
                 error.errors(),
                 [robot_dynamics_mjcf::MjcfError::Xml { file, source: robot_dynamics_xml::XmlError::Unreadable { .. } }] if file.is_empty()
             ),
+            #[cfg(feature = "usd")]
+            Self::Usd(_) => false,
             Self::Srdf { .. } | Self::Scene(_) | Self::Model { .. } => false,
         }
     }
@@ -101,6 +113,8 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.report(),
             Self::Mjcf(error) => error.report(),
+            #[cfg(feature = "usd")]
+            Self::Usd(error) => error.report(),
             Self::Srdf { source, .. } => source.report(),
             Self::Scene(error) => error.report(),
             Self::Model { report, .. } => report,

@@ -8,6 +8,7 @@ use super::fault::SceneFault;
 use super::reader::{ReadFile, Reader, is_scene, read};
 use super::source::Source;
 use crate::description::{Finding, LoadReport, MassProperties, Mount, Object, Severity, Shape};
+use crate::load::Content;
 use crate::mesh_object::{MeshMass, MeshSolid, of_triangles};
 use crate::nalgebra::Matrix3;
 use crate::plausibility::WrittenAngles;
@@ -71,15 +72,15 @@ impl Reader<'_, '_> {
         let mount = attributes.mount().with_prefix(attributes.text("prefix").unwrap_or_default());
         let floating_base = attributes.flag("floating_base");
         let file = attributes.required("file", "arm.urdf")?;
-        let read = self.source.find(file).and_then(|source| Ok((source.text()?, source)));
-        let (text, source) = match read {
+        let read = self.source.find(file).and_then(|source| Ok((source.content()?, source)));
+        let (content, source) = match read {
             Ok(read) => read,
             Err(reason) => {
                 attributes.refuse(reason);
                 return None;
             }
         };
-        if !self.charge(attributes.line, &attributes.place, Resource::Characters, text.len()) {
+        if !self.charge(attributes.line, &attributes.place, Resource::Characters, content.len()) {
             return None;
         }
         let srdf = match attributes.text("srdf").map(|file| self.source.find(file)) {
@@ -91,7 +92,7 @@ impl Reader<'_, '_> {
         };
         let srdf = srdf.and_then(|source| Some(Srdf::File(source.path()?.to_owned())));
         let options = LoadOptions { floating_base, srdf, ..self.shared.options.clone() };
-        match self.read_file(&text, &source, &options) {
+        match self.read_file(&content, &source, &options) {
             Ok(read) => Some((read, mount)),
             Err(messages) => {
                 for message in messages {
@@ -105,13 +106,14 @@ impl Reader<'_, '_> {
     /// Reads a robot's file of any format, or a scene.
     fn read_file(
         &mut self,
-        text: &str,
+        content: &Content,
         source: &Source<'_>,
         options: &LoadOptions,
     ) -> Result<ReadFile, Vec<String>> {
-        if !is_scene(text) {
-            return (self.shared.read_robot)(text, source, options);
-        }
+        let text = match content {
+            Content::Text(text) if is_scene(text) => text,
+            _ => return (self.shared.read_robot)(content, source, options),
+        };
         if options.floating_base {
             return Err(vec!["a scene has no floating base".to_owned()]);
         }

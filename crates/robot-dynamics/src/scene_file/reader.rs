@@ -8,6 +8,7 @@ use super::attributes::Attributes;
 use super::fault::SceneFault;
 use super::source::Source;
 use crate::description::{Base, Disposition, EARTH_GRAVITY, Finding, RobotDescription, Scene};
+use crate::load::Content;
 use crate::plausibility::WrittenAngles;
 
 /// Scenes in scenes are read down to this level.
@@ -22,8 +23,8 @@ pub(crate) struct ReadFile {
     pub(crate) angles: Vec<WrittenAngles>,
 }
 
-/// Reads a robot, not a scene, from its text and its file. The error lists all messages.
-pub(crate) type ReadRobot = fn(&str, &Source<'_>, &LoadOptions) -> Result<ReadFile, Vec<String>>;
+/// Reads a robot, not a scene, from its content and its file. The error lists all messages.
+pub(crate) type ReadRobot = fn(&Content, &Source<'_>, &LoadOptions) -> Result<ReadFile, Vec<String>>;
 
 /// The part of the reading that all nested scenes share.
 pub(crate) struct Shared<'s> {

@@ -6,6 +6,8 @@ use robot_dynamics_mesh::Triangles;
 use robot_dynamics_mjcf::FileSet;
 use robot_dynamics_xml::spellings;
 
+use crate::load::Content;
+
 /// The place of a scene's file.
 pub(crate) enum Source<'s> {
     /// A file on the disk. `root` is the folder to which reading is confined.
@@ -70,16 +72,18 @@ impl<'s> Source<'s> {
         }
     }
 
-    /// The text of this file.
-    pub(super) fn text(&self) -> Result<String, String> {
+    /// The content of this file.
+    pub(super) fn content(&self) -> Result<Content, String> {
         match self {
             Self::Text => Err(NO_FILES.into()),
             Self::Disk { path, .. } => {
-                robot_dynamics_xml::read_regular_file(path).map_err(|error| error.to_string())
+                let bytes =
+                    robot_dynamics_xml::read_regular_bytes(path).map_err(|error| error.to_string())?;
+                Content::of(&bytes).map_err(|error| error.to_string())
             }
             Self::Memory { files, path } => {
-                let content = files.get(path).ok_or("the file is not among the given files")?;
-                robot_dynamics_xml::text_of(content).map_err(|error| error.to_string())
+                let bytes = files.get(path).ok_or("the file is not among the given files")?;
+                Content::of(bytes).map_err(|error| error.to_string())
             }
         }
     }
