@@ -33,6 +33,9 @@ DEEPEST = 0.05
 # Dropped robots with height [m] and duration [s], to compare motion and contacts.
 DROPPED, HEIGHT, MOTION, COUNTED = ["testdata/mjcf/soft/walker.xml", "robots/quadruped.xml"], 0.01, 0.2, 1.0
 
+# The file with adhesion, its controls and the number of steps.
+ADHESION, CONTROLS, ADHERED = "testdata/mjcf/soft/adhesion.xml", [1.8, 0.9, 1.0, 0.5], 300
+
 FREE, HINGE, SLIDE = (int(kind) for kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE))
 PLANE = int(mujoco.mjtGeom.mjGEOM_PLANE)
 # Shapes whose contact points with a plane are the same in both programs.
@@ -131,6 +134,32 @@ def drop(model, random):
     return {"start": start, "steps": round(MOTION / model.opt.timestep)} | end | {"contacts": contacts}
 
 
+def adhere(path):
+    """A motion with actuators that pull at contacts by Euler steps, from the file's own pose, with constant
+    controls: the torques of the actuators in each tenth step, and the end."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    option = model.opt
+    option.solver, option.jacobian = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtJacobian.mjJAC_DENSE
+    option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 0, 400, 1e-6, 200
+    data = mujoco.MjData(model)
+    start, torques, near = data.qpos.copy(), [], 0
+    data.ctrl = CONTROLS
+    for step in range(ADHERED):
+        mujoco.mj_step(model, data)
+        near += sum(1 for contact in data.contact if contact.exclude == 1)
+        if step % 10 == 0:
+            torques.append({"qpos": data.qpos.copy(), "torques": data.qfrc_actuator.copy()})
+    assert near > 10
+    return {
+        "start": start,
+        "ctrl": CONTROLS,
+        "steps": ADHERED,
+        "torques": torques,
+        "end_qpos": data.qpos.copy(),
+        "end_qvel": data.qvel.copy(),
+    }
+
+
 def record(path, states, is_own=True):
     """All results of one file. A robot from elsewhere is dropped, with contact between links and ground only.
     """
@@ -170,7 +199,7 @@ def main():
             "robot_files": source,
         },
         "files": files,
-    }
+    } | ({} if arguments.robot else {"adhesion": adhere(root / ADHESION)})
     golden_file.write(arguments.out, result)
 
 

@@ -219,6 +219,12 @@ pub enum Transmission {
         /// Force and moment for a unit f.
         gear: [f64; 6],
     },
+    /// The contacts of a link's own shapes, at which f pulls the link toward its partners along the normals,
+    /// in equal parts. ℓ = 0. Method `mujoco` alone applies the force.
+    Contacts {
+        /// The name of the link.
+        link: String,
+    },
     /// A slider that moves a crank's pin by a rod. ℓ is gear times the slider's position along its z axis a,
     /// aᵀd − √((aᵀd)² + r² − dᵀd). The pin is at d from the slider's origin, and r is the rod's length. If
     /// the rod does not reach the pin, ℓ is gear·aᵀd.
@@ -258,7 +264,9 @@ impl Transmission {
             Self::Frame { frame, .. } => [Some(frame), None],
             Self::RelativeFrame { frame, reference, .. } => [Some(frame), Some(reference)],
             Self::SliderCrank { crank, slider, .. } => [Some(crank), Some(slider)],
-            Self::Joint { .. } | Self::JointInParent { .. } | Self::Tendon { .. } => [None, None],
+            Self::Joint { .. } | Self::JointInParent { .. } | Self::Tendon { .. } | Self::Contacts { .. } => {
+                [None, None]
+            }
         };
         names.into_iter().flatten().map(String::as_str)
     }

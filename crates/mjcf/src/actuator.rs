@@ -14,6 +14,7 @@ use robot_dynamics_description::{
 use self::settings::Settings;
 
 use crate::assembly::ElementTable;
+use crate::body::Body;
 use crate::classes::{ACTUATORS, MAIN};
 use crate::element::Element;
 use crate::joint::JointType;
@@ -46,7 +47,7 @@ impl Reader<'_> {
     /// Reads all actuators, in the order of the file.
     pub(crate) fn actuators(
         &mut self,
-        table: &ElementTable,
+        (bodies, table): (&[Body], &ElementTable),
         disabled: DisabledForces,
         robot: &mut RobotDescription,
     ) -> Actuators {
@@ -66,7 +67,7 @@ impl Reader<'_> {
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let Some(settings) = self.settings(&element) else { continue };
-            let Some(transmission) = self.transmission(&element, table, &tendons) else { continue };
+            let Some(transmission) = self.transmission(&element, table, &tendons, bodies) else { continue };
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("actuator_{index}"), str::to_owned);
             let own = names.unique(&name);
@@ -83,6 +84,13 @@ impl Reader<'_> {
             let target = self.target_limits(&element, table, robot, &tendons);
             self.ranges(&element, &settings, target, &mut actuator);
             if !self.force(&element, &settings, target, &mut actuator) {
+                continue;
+            }
+            let of_state = [actuator.gain, actuator.bias].map(|law| [law.length, law.velocity]);
+            let depends = actuator.muscle.is_some() || of_state != [[0.0; 2]; 2];
+            if depends && matches!(actuator.transmission, Transmission::Contacts { .. }) {
+                let message = "an actuator of a body whose force depends on its velocity is not in the model";
+                self.report_ignored_physics(&element, message);
                 continue;
             }
             if actuator.muscle.is_some_and(|muscle| muscle.peak_force < 0.0) {
@@ -200,6 +208,7 @@ impl Reader<'_> {
         element: &Element,
         table: &ElementTable,
         tendons: &HashMap<String, usize>,
+        bodies: &[Body],
     ) -> Option<Transmission> {
         let gear = self.overlay(element, "gear", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         // The last target of a file in MuJoCo's order wins.
@@ -239,10 +248,10 @@ impl Reader<'_> {
             });
         }
         if self.text(element, "body").is_some() {
-            self.report_ignored_physics(element, "an actuator of a body is not in the model");
-        } else {
-            self.refuse(element, "it has no target; give it a joint, a tendon or a site");
+            let body = self.body_named(element, "body", bodies)?;
+            return Some(Transmission::Contacts { link: table.links[body].clone() });
         }
+        self.refuse(element, "it has no target; give it a joint, a tendon, a site or a body");
         None
     }
 

@@ -158,7 +158,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.exclusions(&bodies, &table, &mut robot);
     let at_rest = reader.tendons(&bodies, &table, disabled, &mut robot);
     reader.equalities(&bodies, &table, &mut robot);
-    let actuators = reader.actuators(&table, disabled, &mut robot);
+    let actuators = reader.actuators((&bodies, &table), disabled, &mut robot);
     armature_to_joints(&mut robot);
     reader.poses(&table, &actuators, &mut robot);
     reader.sensors(&bodies, &table, &mut robot);

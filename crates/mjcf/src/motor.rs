@@ -51,6 +51,7 @@ impl Reader<'_> {
             }
             Transmission::Frame { .. }
             | Transmission::RelativeFrame { .. }
+            | Transmission::Contacts { .. }
             | Transmission::SliderCrank { .. } => {
                 self.refuse(
                     element,

@@ -46,6 +46,7 @@ fn actuators(robot: &RobotDescription) -> String {
             Transmission::RelativeFrame { frame, reference, gear } => {
                 (format!("frame {frame} in {reference}"), numbers(gear))
             }
+            Transmission::Contacts { link } => (format!("contacts of {link}"), String::new()),
             Transmission::SliderCrank { crank, slider, gear, .. } => {
                 (format!("slider {slider} of crank {crank}"), short(*gear))
             }

@@ -204,9 +204,11 @@ impl RobotDescription {
         });
         self.equalities.retain(|equality| {
             let (sort, all, removed) = match &equality.kind {
-                Equality::Joints { joint: own, leader, .. } => ("joint", with_leader(own, leader), &*joints),
+                Equality::Joints { joint: own, leader, .. } => {
+                    ("joint", with_leader(own, leader.as_ref()), &*joints)
+                }
                 Equality::Tendons { tendon: own, leader, .. } => {
-                    ("tendon", with_leader(own, leader), &*tendons)
+                    ("tendon", with_leader(own, leader.as_ref()), &*tendons)
                 }
                 Equality::Connect { a, b } => ("link", vec![&a.0, &b.0], &*links),
                 Equality::Weld { a, b, .. } => ("link", vec![a, b], &*links),
@@ -230,6 +232,9 @@ impl RobotDescription {
                     }
                     Transmission::Tendon { tendon, .. } => {
                         tendons.contains(tendon).then_some(("tendon", tendon.as_str()))
+                    }
+                    Transmission::Contacts { link } => {
+                        links.contains(link).then_some(("link", link.as_str()))
                     }
                     other => {
                         let is_removed = |name: &&str| frames.contains(*name) || links.contains(*name);
@@ -281,6 +286,6 @@ fn note(sort: &str, name: &str, cause: &str, cause_name: &str) -> EditNote {
 }
 
 /// The names of a relation's position and of its leader.
-fn with_leader<'a>(own: &'a (String, f64), leader: &'a Option<(String, f64)>) -> Vec<&'a String> {
+fn with_leader<'a>(own: &'a (String, f64), leader: Option<&'a (String, f64)>) -> Vec<&'a String> {
     core::iter::once(own).chain(leader).map(|(name, _)| name).collect()
 }

@@ -98,7 +98,9 @@ impl Renaming<'_> {
                 Transmission::Joint { joint, gear: _ }
                 | Transmission::JointInParent { joint, gear: _, moment_in_child: _ } => self.object(joint),
                 Transmission::Tendon { tendon, gear: _ } => self.object(tendon),
-                Transmission::Frame { frame, gear: _ } => self.link(frame),
+                Transmission::Frame { frame: link, gear: _ } | Transmission::Contacts { link } => {
+                    self.link(link);
+                }
                 Transmission::RelativeFrame { frame: one, reference: other, gear: _ }
                 | Transmission::SliderCrank { crank: one, slider: other, rod_length: _, gear: _ } => {
                     self.link(one);

@@ -60,6 +60,10 @@ fn check_transmission<'a>(
             }
             core::slice::from_ref(gear)
         }
+        Transmission::Contacts { link } => {
+            names.link(owner, link)?;
+            &[]
+        }
         Transmission::Frame { gear, .. } | Transmission::RelativeFrame { gear, .. } => gear,
         Transmission::SliderCrank { rod_length, gear, .. } => {
             let is_valid = *rod_length > 0.0 && rod_length.is_finite();

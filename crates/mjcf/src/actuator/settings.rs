@@ -19,7 +19,7 @@ pub(super) struct Settings {
     pub(super) dynamics: String,
     pub(super) dynamics_numbers: [f64; 10],
     pub(super) inherit_range: f64,
-    /// Set for a damper, whose control is not negative.
+    /// Set for a damper and for adhesion, whose control is not negative.
     pub(super) control_is_limited: bool,
 }
 
@@ -122,6 +122,11 @@ impl Reader<'_> {
                     settings.gain[0] = PI / 4.0 * diameter * diameter;
                 }
                 settings.kinds("fixed", "affine", "filter");
+            }
+            "adhesion" => {
+                settings.gain[0] = self.number(one, "gain").unwrap_or(settings.gain[0]);
+                settings.control_is_limited = true;
+                settings.kinds("fixed", "none", "none");
             }
             "muscle" => self.set_muscle(one, settings),
             _ => return false,

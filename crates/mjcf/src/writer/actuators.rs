@@ -57,6 +57,7 @@ impl MjcfWriter<'_> {
             }
             Transmission::Frame { .. }
             | Transmission::RelativeFrame { .. }
+            | Transmission::Contacts { .. }
             | Transmission::SliderCrank { .. } => None,
         }
     }
@@ -83,6 +84,10 @@ impl MjcfWriter<'_> {
                 self.write_site("site", frame);
                 self.write_site("refsite", reference);
                 self.write_gear(gear);
+            }
+            Transmission::Contacts { link } => {
+                let body = self.body_name(link);
+                self.xml.attribute("body", &body);
             }
             Transmission::SliderCrank { crank, slider, rod_length, gear } => {
                 self.write_site("cranksite", crank);

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, TendonPathElement};
+use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, TendonPathElement, Transmission};
 
 use super::MjcfWriter;
 
@@ -39,6 +39,9 @@ impl MjcfWriter<'_> {
         }
         for actuator in &robot.actuators {
             names.extend(actuator.transmission.frames());
+            if let Transmission::Contacts { link } = &actuator.transmission {
+                names.push(link);
+            }
         }
         let paths = robot.spatial_tendons.iter().flat_map(|tendon| &tendon.path);
         names.extend(paths.flat_map(TendonPathElement::places));

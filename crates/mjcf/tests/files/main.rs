@@ -2,6 +2,7 @@
 
 mod account;
 mod actuation;
+mod adhesion;
 mod attach;
 mod contacts;
 mod faults;

@@ -1,7 +1,7 @@
 //! The forces at a state, and the activations.
 
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_core::{Model, gravity};
+use robot_dynamics_core::{FrameId, Model, gravity};
 use robot_dynamics_description::{Activation, ActuatorDescription, Affine, check_length};
 
 use super::pose_spring::PoseSpring;
@@ -202,6 +202,7 @@ impl Actuation {
                 | Drive::SpatialTendon { .. }
                 | Drive::Frame { .. }
                 | Drive::BetweenFrames(_)
+                | Drive::Contacts { .. }
                 | Drive::Nothing => {}
             }
         }
@@ -306,6 +307,22 @@ impl Actuation {
             }
             workspace.forces[k] = within(workspace.forces[k], actuator.force_range);
         }
+    }
+
+    /// Whether actuators pull at contacts.
+    pub(crate) fn has_adhesion(&self) -> bool {
+        self.actuators.iter().any(|(_, drive)| matches!(drive, Drive::Contacts { .. }))
+    }
+
+    /// The links whose contacts actuators pull together, each with the force of the last evaluation \[N\].
+    pub(crate) fn adhesions<'a>(
+        &'a self,
+        workspace: &'a ActuationWorkspace,
+    ) -> impl Iterator<Item = (FrameId, f64)> + 'a {
+        self.actuators.iter().zip(&workspace.forces).filter_map(|((_, drive), &force)| match drive {
+            Drive::Contacts { link } => Some((*link, force)),
+            _ => None,
+        })
     }
 
     /// The number of the tendon that a transmission acts on, those over joints first.

@@ -66,6 +66,8 @@ pub(super) enum Drive {
     Frame { frame: FrameId, gear: [f64; 6] },
     /// Two frames.
     BetweenFrames(FrameTransmission),
+    /// The contacts of a link. Methods with contacts apply the force.
+    Contacts { link: FrameId },
     /// A locked joint: no force moves it.
     Nothing,
 }
@@ -100,6 +102,9 @@ impl Drive {
             }
             Transmission::Frame { frame, gear } => {
                 model.frame(frame).map_or(Self::Nothing, |frame| Self::Frame { frame, gear: *gear })
+            }
+            Transmission::Contacts { link } => {
+                model.frame(link).map_or(Self::Nothing, |link| Self::Contacts { link })
             }
             Transmission::RelativeFrame { .. } | Transmission::SliderCrank { .. } => {
                 let frames = FrameTransmission::new(model, transmission);
@@ -136,7 +141,7 @@ impl Drive {
                 let (length, row) = memory.between_frames(model, q, frames);
                 (length, row.iter().zip(v).map(|(entry, v)| entry * v).sum())
             }
-            Self::Nothing => (0.0, 0.0),
+            Self::Contacts { .. } | Self::Nothing => (0.0, 0.0),
         }
     }
 
@@ -179,7 +184,7 @@ impl Drive {
                 let (_, row) = memory.between_frames(model, q, frames);
                 tau.iter_mut().zip(row).for_each(|(tau, entry)| *tau += force * entry);
             }
-            Self::Nothing => {}
+            Self::Contacts { .. } | Self::Nothing => {}
         }
     }
 }

@@ -10,6 +10,7 @@
 //! joint is along the world's axes, which is u̇ + ω × u in the body's.
 
 mod active_set;
+mod adhesion;
 mod connection;
 mod contact_rows;
 mod contact_search;
@@ -31,6 +32,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::InvalidInput;
 
+use self::adhesion::Adhesion;
 use self::point_rows::Bodies;
 use self::reference::{RowReference, StepState};
 use self::rows::JointRows;
@@ -109,6 +111,7 @@ clone_in_place! {
         contacts: Vec<SoftContact>,
         /// One entry for each contact that was found: the shape, and its contact partner.
         found: Vec<(usize, ContactPartner)>,
+        adhesion: Adhesion,
         /// The first row of each contact.
         starts: Vec<usize>,
         active: ActiveSet,
@@ -150,6 +153,7 @@ impl SoftConstraints {
             forces: vec![0.0; n],
             contacts: Vec::new(),
             found: Vec::new(),
+            adhesion: Adhesion::new(n),
             starts: Vec::new(),
             active: ActiveSet::default(),
             fixed: None,
@@ -229,6 +233,8 @@ impl SoftConstraints {
         self.contacts.clear();
         self.contacts.extend(contacts);
         self.find_contacts(model);
+        self.adhesion.compute(model, &self.bodies, &self.contacts);
+        self.problem.force.iter_mut().zip(self.adhesion.forces()).for_each(|(sum, force)| *sum -= force);
         let is_tree = self.add_rows(StepState {
             model,
             workspace,

@@ -148,6 +148,7 @@ impl Stepper for MujocoEuler {
         if let Some(drive) = &mut self.drive {
             drive.forces(model, q, v, &mut self.driven);
             drive.record_forces();
+            self.law.set_adhesion(drive.adhesions());
             self.tau.iter_mut().zip(&self.driven).for_each(|(tau, driven)| *tau += driven);
         }
         self.before.copy_from_slice(v);
@@ -164,6 +165,9 @@ impl Stepper for MujocoEuler {
             return Err(IntegratorError::Interrupted.into());
         }
         solved?;
+        if let Some(drive) = &mut self.drive {
+            drive.record_adhesion(self.law.adhesion_forces());
+        }
         let n = v.len();
         if forces.dissipation && self.damping.iter().any(|damping| *damping != 0.0) {
             self.law.damp((h, &self.damping), &mut self.acceleration)?;

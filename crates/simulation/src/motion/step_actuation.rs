@@ -1,7 +1,7 @@
 //! Actuation in implicit and MuJoCo's steps, and its part in the energy account.
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
-use robot_dynamics_core::{Model, integrate};
+use robot_dynamics_core::{FrameId, Model, integrate};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::EnergyAccount;
 
@@ -18,6 +18,8 @@ clone_in_place! {
         /// The actuators' joint torques at the last evaluation.
         torques: Vec<f64>,
         of_step: ActuatorLoad,
+        /// The forces of adhesion in the last step, which are held over it.
+        adhesion: Vec<f64>,
         driven: Vec<f64>,
         mean: Vec<f64>,
         half: Vec<f64>,
@@ -56,6 +58,7 @@ impl StepActuation {
             controls: controls.to_vec(),
             torques: zeros(),
             of_step: ActuatorLoad::new(actuation, nv),
+            adhesion: zeros(),
             driven: zeros(),
             mean: zeros(),
             half: zeros(),
@@ -107,6 +110,17 @@ impl StepActuation {
         self.of_step.torques.copy_from_slice(&self.torques);
     }
 
+    /// The links whose contacts actuators pull together, with the forces of the last evaluation.
+    pub(crate) fn adhesions(&self) -> impl Iterator<Item = (FrameId, f64)> {
+        self.actuation.adhesions(&self.workspace)
+    }
+
+    /// Adds the forces of adhesion to those of the step.
+    pub(crate) fn record_adhesion(&mut self, forces: &[f64]) {
+        self.adhesion.copy_from_slice(forces);
+        self.of_step.torques.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
+    }
+
     /// The forces that [`record_forces`](Self::record_forces) stored.
     pub(crate) fn of_step(&self) -> &ActuatorLoad {
         &self.of_step
@@ -150,6 +164,7 @@ pub fn record(
         driven,
         mean,
         half,
+        adhesion,
         is_fluid_counted,
         ..
     }) = drive
@@ -164,6 +179,7 @@ pub fn record(
         actuation.actuator_torques(model, workspace, controls, middle, way, torques);
         driven.copy_from_slice(torques);
         actuation.add_unstored(workspace, driven);
+        driven.iter_mut().zip(&*adhesion).for_each(|(sum, force)| *sum += force);
         work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
         last.damping += actuation.dissipated_over(workspace, h, middle, (way, mean));
         if !*is_fluid_counted {

@@ -19,6 +19,8 @@ pub(super) struct Kinds {
     limits: bool,
     /// Limits of the lengths of spatial tendons.
     path_limits: bool,
+    /// Actuators that pull at contacts.
+    adhesion: bool,
     contacts: bool,
     equalities: bool,
     actuators: bool,
@@ -55,6 +57,7 @@ impl Kinds {
             friction: dissipates && has_friction,
             limits: builder.acts(Effect::Limits) && has_limits,
             path_limits: builder.acts(Effect::Limits) && has_path_limits,
+            adhesion: actuation.is_some_and(Actuation::has_adhesion),
             contacts,
             equalities,
             actuators,
@@ -122,13 +125,16 @@ impl Kinds {
         Self { dissipates: false, friction: false, fluid: false, ..self }
     }
 
-    /// Lists the limits of spatial tendons, which MuJoCo's law alone supports.
-    pub(super) fn list_path_limits(&self, method: Method, left_out: &mut Vec<String>) {
-        if self.path_limits && method != Method::Mujoco {
-            let name = method.name();
-            left_out.push(format!(
-                "length limits of spatial tendons: `{name}` does not know them, `mujoco` does"
-            ));
+    /// Lists the limits of spatial tendons and adhesion, which MuJoCo's law alone supports.
+    pub(super) fn list_left_out_beside_mujoco(&self, method: Method, left_out: &mut Vec<String>) {
+        let name = method.name();
+        for (is_there, what) in [
+            (self.path_limits, "length limits of spatial tendons"),
+            (self.adhesion, "actuators that pull at contacts"),
+        ] {
+            if is_there && method != Method::Mujoco {
+                left_out.push(format!("{what}: `{name}` does not know them, `mujoco` does"));
+            }
         }
     }
 

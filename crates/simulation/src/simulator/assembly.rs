@@ -45,7 +45,7 @@ impl SimulationBuilder<'_> {
             None => kinds.method(&model),
         };
         self.check_method(method)?;
-        kinds.list_path_limits(method, &mut left_out);
+        kinds.list_left_out_beside_mujoco(method, &mut left_out);
         match method {
             Method::Fixed(row) => kinds.list_left_out(row, &mut left_out),
             #[cfg(feature = "adaptive")]

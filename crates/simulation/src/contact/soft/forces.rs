@@ -1,5 +1,6 @@
 //! Implicit damping, forces on links, and dissipated power of the constraints, for a stepper.
 
+use robot_dynamics_core::FrameId;
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_integrators::IntegratorError;
 
@@ -52,6 +53,17 @@ impl SoftConstraints {
             acceleration[k] = momentum[k] - transport[k];
         }
         Ok(())
+    }
+
+    /// Sets the links whose contacts are pulled together at the next states, each with the force that they
+    /// share \[N\].
+    pub(crate) fn set_adhesion(&mut self, links: impl Iterator<Item = (FrameId, f64)>) {
+        self.adhesion.set(links);
+    }
+
+    /// The generalized forces of adhesion at the last state, nv entries \[N·m or N\].
+    pub(crate) fn adhesion_forces(&self) -> &[f64] {
+        self.adhesion.forces()
     }
 
     /// The number of links that can touch the ground.

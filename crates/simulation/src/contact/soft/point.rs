@@ -87,11 +87,11 @@ impl SoftContact {
 /// The surface of a contact of two shapes: that of the higher priority, otherwise the larger friction and
 /// dimension, and a mean of the softness.
 pub(in crate::contact) fn mixed(one: &Surface, two: &Surface) -> Surface {
-    let margin = one.margin + two.margin;
+    let (margin, gap) = (one.margin + two.margin, one.gap + two.gap);
     if one.priority != two.priority {
         let chosen = if one.priority > two.priority { one } else { two };
         let mut chosen = *chosen;
-        chosen.margin = margin;
+        (chosen.margin, chosen.gap) = (margin, gap);
         return chosen;
     }
     let share = match (one.solmix >= 1e-15, two.solmix >= 1e-15) {
@@ -110,6 +110,6 @@ pub(in crate::contact) fn mixed(one: &Surface, two: &Surface) -> Surface {
     together.friction = core::array::from_fn(|k| one.friction[k].max(two.friction[k]));
     together.solref = core::array::from_fn(reference);
     together.solimp = core::array::from_fn(|k| mean(one.solimp[k], two.solimp[k]));
-    together.margin = margin;
+    (together.margin, together.gap) = (margin, gap);
     together
 }
