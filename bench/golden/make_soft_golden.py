@@ -27,7 +27,7 @@ import numpy as np  # noqa: E402
 
 import golden_file  # noqa: E402
 
-FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "testdata/mjcf/soft/ropes.xml", "testdata/mjcf/soft/tied_tendons.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
+FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "testdata/mjcf/soft/ropes.xml", "testdata/mjcf/soft/tied_tendons.xml", "testdata/mjcf/soft/belts.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
 # Largest depth of the lowest point below the ground [m].
 DEEPEST = 0.05
 # Dropped robots with height [m] and duration [s], to compare motion and contacts.
@@ -100,6 +100,8 @@ def state(model, random):
             continue
         first, second = contact.geom
         on_ground &= bool(model.geom_type[first] == PLANE and model.geom_type[second] in PRIMITIVES)
+        sideways, other, turn = contact.surfacevel
+        moved = {"surface_motion": [sideways * contact.frame[3:6] + other * contact.frame[6:9], turn * contact.frame[:3]]}
         contacts.append(
             {
                 "body": model.body(model.geom_bodyid[second]).name,
@@ -113,6 +115,7 @@ def state(model, random):
                 "solref": contact.solref,
                 "solimp": contact.solimp,
             }
+            | (moved if any(contact.surfacevel) else {})
         )
     return start | {"contacts": contacts, "on_ground": on_ground, "qacc": data.qacc.copy(), "constraint": data.qfrc_constraint.copy()}
 

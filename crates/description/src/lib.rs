@@ -76,7 +76,7 @@ pub use report::{Disposition, Finding, LoadCounts, LoadReport, Severity};
 pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, LinkDescription, RobotDescription};
 pub use scene::{Mount, Object, Scene};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};
-pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
+pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface, SurfaceVelocity};
 pub use solver_impedance::{JointSolverImpedance, SolverImpedance, TendonSolverImpedance};
 pub use spatial_tendon::{SpatialTendonDescription, TendonPathElement, TendonSurface};
 pub use tendon::TendonDescription;

@@ -30,6 +30,65 @@ pub struct LinkShape {
     /// Its contact parameters, if the file gives them.
     #[cfg_attr(feature = "serde", serde(default))]
     pub surface: Surface,
+    /// The motion of its surface, for example of a conveyor belt.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub surface_velocity: SurfaceVelocity,
+}
+
+/// The motion of a surface relative to its shape, as contacts see it: σ(x) = v + ω × x in the shape's frame.
+///
+/// Friction acts on the sum of this and the motion of the shape. Only the part of σ tangential to a contact
+/// counts, and the normal part of ω drives torsional friction. The contacts do work on the other body, which
+/// counts as a negative friction loss.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+pub struct SurfaceVelocity {
+    /// v in the shape's frame \[m/s\].
+    pub linear: [f64; 3],
+    /// ω in the shape's frame, about its origin \[rad/s\].
+    pub angular: [f64; 3],
+}
+
+impl SurfaceVelocity {
+    /// Whether the surface is at rest relative to its shape.
+    ///
+    /// ```
+    /// use robot_dynamics::description::SurfaceVelocity;
+    /// assert!(SurfaceVelocity::default().is_zero());
+    /// ```
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The same motion, where `a_from_b` places this frame b in a.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Pose, SurfaceVelocity};
+    /// let turntable = SurfaceVelocity { linear: [0.0; 3], angular: [0.0, 0.0, 2.0] };
+    /// let moved = turntable.in_frame(&Pose::from_translation([1.0, 0.0, 0.0]));
+    /// assert_eq!((moved.linear, moved.angular), ([0.0, -2.0, 0.0], [0.0, 0.0, 2.0]));
+    /// ```
+    #[must_use]
+    pub fn in_frame(&self, a_from_b: &Pose) -> Self {
+        let turn = Pose { rotation: a_from_b.rotation, translation: [0.0; 3] };
+        let ([x, y, z], [a, b, c]) = (a_from_b.translation, turn.apply(self.angular));
+        let [u, v, w] = turn.apply(self.linear);
+        // −ω × p for the origin p.
+        let linear = [u - (b * z - c * y), v - (c * x - a * z), w - (a * y - b * x)];
+        Self { linear, angular: [a, b, c] }
+    }
+
+    /// All six numbers: v, then ω.
+    ///
+    /// ```
+    /// use robot_dynamics::description::SurfaceVelocity;
+    /// let belt = SurfaceVelocity { linear: [0.3, 0.0, 0.0], angular: [0.0, 0.0, 1.0] };
+    /// assert_eq!(belt.to_array(), [0.3, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    /// ```
+    pub fn to_array(&self) -> [f64; 6] {
+        let ([a, b, c], [d, e, f]) = (self.linear, self.angular);
+        [a, b, c, d, e, f]
+    }
 }
 
 impl LinkShape {
@@ -49,6 +108,7 @@ impl LinkShape {
             name: String::new(),
             color: None,
             surface: Surface::default(),
+            surface_velocity: SurfaceVelocity::default(),
         }
     }
 

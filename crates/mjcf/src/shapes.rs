@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use robot_dynamics_description::{
     ContactPairDescription, Disposition, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole,
-    Surface,
+    Surface, SurfaceVelocity,
 };
 use robot_dynamics_xml::Resource;
 
@@ -46,6 +46,7 @@ impl Reader<'_> {
                         .with_name(geom.name.clone())
                         .with_surface(surface);
                     shape.color = self.color(&geom.element);
+                    shape.surface_velocity = self.surface_velocity(geom, &place);
                     robot.shapes.push(shape);
                 }
             }
@@ -141,6 +142,17 @@ impl Reader<'_> {
         }
         let from_least_y: Vec<f64> = numbers.chunks_exact(columns).rev().flatten().copied().collect();
         Some(Elevation::stretched(rows, columns, &from_least_y, highest))
+    }
+
+    /// The motion of the surface of a geom, in the frame of its shape.
+    fn surface_velocity(&mut self, geom: &Geom, place: &Pose) -> SurfaceVelocity {
+        let [a, b, c, d, e, f] = self.overlay(&geom.element, "surfacevel", [0.0; 6]);
+        let in_geom = SurfaceVelocity { linear: [a, b, c], angular: [d, e, f] };
+        if geom.mesh.is_none() || in_geom.is_zero() {
+            return in_geom;
+        }
+        // The frame of a mesh's file is not that of its geom.
+        in_geom.in_frame(&place.inverse().compose(&pose(&geom.body_from_geom)))
     }
 
     /// The contact parameters of a geom, with the defaults of MJCF.

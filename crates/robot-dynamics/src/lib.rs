@@ -81,9 +81,9 @@ pub mod description {
         Medium, Mimic, ModelError, Mount, Muscle, NamedPose, Object, PassiveForces,
         PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions,
         RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject,
-        Severity, Shape, ShapeRole, SolverImpedance, SpatialTendonDescription, Surface, TendonDescription,
-        TendonPathElement, TendonSolverImpedance, TendonSurface, Transmission, UnsupportedFeature,
-        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        Severity, Shape, ShapeRole, SolverImpedance, SpatialTendonDescription, Surface, SurfaceVelocity,
+        TendonDescription, TendonPathElement, TendonSolverImpedance, TendonSurface, Transmission,
+        UnsupportedFeature, WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
     };
 }
 

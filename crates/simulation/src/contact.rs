@@ -37,6 +37,7 @@ mod interrupt;
 mod law;
 mod link_contacts;
 mod link_pairs;
+mod moving_surface;
 mod named_pairs;
 mod pair;
 mod pair_points;
@@ -131,6 +132,8 @@ pub struct ContactSet {
     link_restitution: f64,
     /// The number of points of all shapes together.
     points: usize,
+    /// Whether the surface of a shape, a ground or a height field moves.
+    has_moving_surfaces: bool,
 }
 
 impl ContactSet {
@@ -184,6 +187,7 @@ impl ContactSet {
             active: Vec::new(),
             link_restitution: 0.0,
             points: 0,
+            has_moving_surfaces: false,
         };
         let stated = NamedPairs::of(model.description())?;
         for shape in &model.description().shapes {
@@ -208,10 +212,14 @@ impl ContactSet {
         if shape.role != ShapeRole::Collision || !touches_others {
             return Ok(());
         }
-        if let Some(quantity) = surface.not_finite().or_else(|| size_not_finite(&shape.shape)) {
+        let moved = shape.surface_velocity.to_array();
+        let not_finite = surface.not_finite().or_else(|| size_not_finite(&shape.shape));
+        let moved_badly = moved.iter().any(|x| !x.is_finite()).then_some("surface velocity");
+        if let Some(quantity) = not_finite.or(moved_badly) {
             let shape = format!("shape `{}` of link `{}`", shape.name, shape.link);
             return Err(bad_surface(&shape, quantity));
         }
+        self.has_moving_surfaces |= !shape.surface_velocity.is_zero();
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
         let on_grounds = stated.on_grounds(&shape.name);
@@ -253,6 +261,7 @@ impl ContactSet {
             reach,
             extent,
             surface,
+            surface_velocity: shape.surface_velocity,
             on_grounds,
             first,
         });

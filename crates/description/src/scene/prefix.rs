@@ -71,7 +71,7 @@ impl Renaming<'_> {
             self.object(name);
             self.link(link);
         }
-        for LinkShape { link, name, role: _, link_from_shape: _, shape: _, color: _, surface: _ } in shapes {
+        for LinkShape { link, name, .. } in shapes {
             self.link(link);
             self.object(name);
         }

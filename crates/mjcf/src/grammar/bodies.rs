@@ -92,10 +92,11 @@ pub(super) const RULES: &[Rule] = &[
             "material",
             "fluidshape",
             "fluidcoef",
+            "surfacevel",
         ],
     )
     .ignored(&["castshadow", "user"])
-    .physics(&[("surfacevel", "0"), ("adhesion", "0")]),
+    .physics(&[("adhesion", "0")]),
     read(
         BODIES_OR_DEFAULT,
         "site",

@@ -146,5 +146,8 @@ impl<'r> MjcfWriter<'r> {
             }
         }
         self.xml.unless("margin", own.margin, 0.0).unless("gap", own.gap, 0.0);
+        if !shape.surface_velocity.is_zero() {
+            self.xml.numbers("surfacevel", &shape.surface_velocity.to_array());
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! Tolerance: 1e-8 of the largest acceleration. MuJoCo's Newton method stops when its steps no longer lower
 //! the cost, whose rounding is 1e-16, so its result has an error of about the root of that.
 
+use nalgebra::Vector3;
 use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints, SoftContact, SoftDynamicsInputs};
 use robot_dynamics::conventions::{
     acceleration_to_mujoco, configuration_from_mujoco, configuration_to_mujoco, force_from_mujoco,
@@ -34,6 +35,9 @@ fn contact(model: &Model, value: &Value) -> SoftContact {
     contact.margin = value["margin"].as_f64().expect("a number");
     contact.condim = u8::try_from(value["condim"].as_u64().expect("a number")).expect("small");
     contact.friction = vector(&value["friction"]);
+    if !value["surface_motion"].is_null() {
+        contact.surface_motion = [0, 1].map(|part| vector::<3>(&value["surface_motion"][part]));
+    }
     contact.softness = SolverImpedance { solref: vector(&value["solref"]), solimp: vector(&value["solimp"]) };
     contact
 }
@@ -42,9 +46,14 @@ fn contact(model: &Model, value: &Value) -> SoftContact {
 fn assert_alike(what: &str, own: &SoftContact, theirs: &SoftContact) {
     assert_eq!((own.link, own.other, own.condim), (theirs.link, theirs.other, theirs.condim), "{what}");
     let numbers = |contact: &SoftContact| {
-        let SoftContact { point, normal, friction, softness, .. } = *contact;
+        let SoftContact { point, normal, friction, softness, surface_motion, .. } = *contact;
         let rest = [contact.distance, contact.margin];
-        [&point[..], &normal, &friction, &softness.solref, &softness.solimp, &rest].concat()
+        // Sliding and torsion count only the tangential velocity and the normal angular velocity.
+        let (n, [velocity, spin]) = (Vector3::from(normal), surface_motion.map(Vector3::from));
+        let sideways = velocity - n * n.dot(&velocity);
+        let turn = if contact.condim > 3 { n.dot(&spin) } else { 0.0 };
+        let moved = [sideways.x, sideways.y, sideways.z, turn];
+        [&point[..], &normal, &friction, &softness.solref, &softness.solimp, &rest, &moved].concat()
     };
     assert_near(&format!("{what}, a contact"), &numbers(own), &numbers(theirs), 1e-12);
 }

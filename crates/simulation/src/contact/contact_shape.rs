@@ -1,7 +1,7 @@
 //! A shape of a link that can touch.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_description::Surface;
+use robot_dynamics_description::{Surface, SurfaceVelocity};
 
 use super::contact_geometry::ContactGeometry;
 use super::convex::Convex;
@@ -29,6 +29,7 @@ pub(super) struct ContactShape {
     /// Half the size of the bounding box of its points, along its axes and centred on its origin \[m\].
     pub(super) extent: Vector3<f64>,
     pub(super) surface: Surface,
+    pub(super) surface_velocity: SurfaceVelocity,
     /// The planes and height fields paired with it, by name, each with the surface of that pair. A ground
     /// without a name represents the first.
     pub(super) on_grounds: Vec<(String, Surface)>,

@@ -8,7 +8,7 @@ mod facets;
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_description::{LinkShape, Pose, Surface};
+use robot_dynamics_description::{LinkShape, Pose, Surface, SurfaceVelocity};
 use robot_dynamics_number::InvalidInput;
 
 use self::facets::Facets;
@@ -195,6 +195,8 @@ pub(super) struct PlacedField {
     pub(super) name: String,
     /// If it has a surface, the mixed surface with each shape; `None` for shapes that it does not touch.
     pub(super) surfaces: Option<Vec<Option<Surface>>>,
+    /// The motion of its surface in the world.
+    pub(super) surface_velocity: SurfaceVelocity,
     /// `world_from_field`.
     rotation: Matrix3<f64>,
     origin: Vector3<f64>,
@@ -210,12 +212,15 @@ impl PlacedField {
         let Pose { rotation, translation } = field.world_from_field;
         let (link, name) =
             described.map(|shape| (shape.link.clone(), shape.name.clone())).unwrap_or_default();
+        let surface_velocity = described.map(|shape| shape.surface_velocity).unwrap_or_default();
+        let surface_velocity = surface_velocity.in_frame(&field.world_from_field);
         Self {
             link,
             name,
             friction: field.friction,
             restitution: field.restitution,
             surfaces,
+            surface_velocity,
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             origin: translation.into(),
             facets: Arc::clone(&field.facets),

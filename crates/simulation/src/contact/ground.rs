@@ -3,7 +3,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
-use robot_dynamics_description::Surface;
+use robot_dynamics_description::{Surface, SurfaceVelocity};
 use robot_dynamics_number::InvalidInput;
 
 /// A half-space that bodies do not enter: { x : n·x < d }.
@@ -20,6 +20,8 @@ pub struct Ground {
     pub surface: Option<Surface>,
     /// e: the fraction of its normal speed with which a body rebounds; 0 if it does not bounce.
     pub restitution: f64,
+    /// The motion of its surface, σ(x) = v + ω × x in the world, for example of a conveyor belt.
+    pub surface_velocity: SurfaceVelocity,
 }
 
 impl Ground {
@@ -29,7 +31,9 @@ impl Ground {
     /// assert_eq!(robot_dynamics::contact::Ground::level(0.5).normal, [0.0, 0.0, 1.0]);
     /// ```
     pub const fn level(z: f64) -> Self {
-        Self { normal: [0.0, 0.0, 1.0], offset: z, friction: None, surface: None, restitution: 0.0 }
+        let surface_velocity = SurfaceVelocity { linear: [0.0; 3], angular: [0.0; 3] };
+        let normal = [0.0, 0.0, 1.0];
+        Self { normal, offset: z, friction: None, surface: None, restitution: 0.0, surface_velocity }
     }
 
     /// The half-space below a plane through the world's origin that rises along x by this angle \[rad\],
@@ -95,6 +99,18 @@ impl Ground {
         Self { restitution, ..self }
     }
 
+    /// Sets the motion of its surface, σ(x) = v + ω × x in the world.
+    ///
+    /// ```
+    /// use robot_dynamics::contact::Ground;
+    /// use robot_dynamics::description::SurfaceVelocity;
+    /// let belt = SurfaceVelocity { linear: [0.5, 0.0, 0.0], angular: [0.0; 3] };
+    /// assert_eq!(Ground::level(0.0).with_surface_velocity(belt).surface_velocity, belt);
+    /// ```
+    pub const fn with_surface_velocity(self, surface_velocity: SurfaceVelocity) -> Self {
+        Self { surface_velocity, ..self }
+    }
+
     /// Returns an error if a number is invalid.
     pub(super) fn check(&self) -> Result<(), InvalidInput> {
         let normal = Vector3::from(self.normal);
@@ -108,6 +124,9 @@ impl Ground {
         }
         if !(0.0..=1.0).contains(&self.restitution) {
             return Err(bad_restitution(self.restitution));
+        }
+        if self.surface_velocity.to_array().iter().any(|x| !x.is_finite()) {
+            return Err(bad_surface("a ground", "surface velocity"));
         }
         if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
             return Err(bad_surface("a ground", quantity));

@@ -244,8 +244,12 @@ impl ContactImpulses {
             before
         };
         self.problem.start[row] = bias;
+        let surface_motion = self.surface_motion(&point);
+        for r in 1..rows {
+            self.problem.start[row + r] = scale[r] * surface_motion[r];
+        }
         let active = &mut self.active[index];
         (active.row, active.rows, active.scale) = (row, rows, scale);
-        (active.bias, active.before) = (bias, before);
+        (active.bias, active.surface_motion, active.before) = (bias, surface_motion, before);
     }
 }

@@ -24,6 +24,7 @@ impl ContactSet {
         self.ground_surfaces.push(ground.surface.map(|own| self.surfaces_with(&own, plane, exclusions)));
         self.ground_names.push(plane.map_or_else(String::new, |plane| plane.name.clone()));
         self.ground_links.push(plane.map_or_else(String::new, |plane| plane.link.clone()));
+        self.has_moving_surfaces |= !ground.surface_velocity.is_zero();
         self.grounds.push((ground, ground.axes()));
         let index = self.grounds.len() - 1;
         self.let_touch_ground(|set, shape| set.meets_ground(shape, index));
@@ -102,7 +103,9 @@ impl ContactSet {
             }
             let pose = frame.body_from_frame.compose(&shape.link_from_shape);
             let normal = pose.rotation.map(|row| row[2]);
-            let ground = Ground::through(pose.translation, normal)?.with_surface(shape.surface);
+            let ground = Ground::through(pose.translation, normal)?
+                .with_surface(shape.surface)
+                .with_surface_velocity(shape.surface_velocity.in_frame(&pose));
             self.add_ground(model, ground, Some(shape))?;
         }
         Ok(self)

@@ -119,6 +119,8 @@ clone_in_place! {
         fixed: Option<ActiveSet>,
         /// B and K d r of each block's rows.
         asked: Vec<RowReference>,
+        /// The speeds of the surfaces in addition to those of their bodies, by row.
+        surface_speeds: Vec<(usize, f64)>,
     }
 }
 
@@ -158,6 +160,7 @@ impl SoftConstraints {
             active: ActiveSet::default(),
             fixed: None,
             asked: Vec::new(),
+            surface_speeds: Vec::new(),
         })
     }
 
@@ -230,6 +233,7 @@ impl SoftConstraints {
         self.problem.clear();
         self.find_force(model, workspace, (q, v), tau);
         self.asked.clear();
+        self.surface_speeds.clear();
         self.contacts.clear();
         self.contacts.extend(contacts);
         self.find_contacts(model);
@@ -280,6 +284,9 @@ impl SoftConstraints {
         self.problem.find_products(&self.transport, &mut self.speeds);
         self.problem.start.copy_from_slice(&self.speeds);
         self.problem.find_products(v, &mut self.speeds);
+        for &(row, speed) in &self.surface_speeds {
+            self.speeds[row] += speed;
+        }
         for asked in &self.asked {
             let start = &mut self.problem.start[asked.row..asked.row + asked.rows];
             start[0] = asked.drift.unwrap_or(start[0]) + asked.spring;

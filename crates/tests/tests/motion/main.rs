@@ -24,6 +24,7 @@ mod linearize_by_differences;
 mod linearize_step;
 mod links;
 mod long_chains;
+mod moving_surfaces;
 mod pullback;
 mod simulation;
 mod soft_law;

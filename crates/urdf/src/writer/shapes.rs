@@ -62,7 +62,7 @@ impl UrdfWriter<'_> {
             self.xml.start("color").numbers("rgba", &color).end().end();
         }
         self.xml.end();
-        if collides && shape.surface != Surface::default() {
+        if collides && (shape.surface != Surface::default() || !shape.surface_velocity.is_zero()) {
             self.add_note(&place, "contact properties of its surface: not supported by URDF");
         }
     }

@@ -43,7 +43,8 @@ impl ContactImpulses {
             for r in (0..active.rows).filter(|r| active.scale[*r] > 0.0) {
                 let p = self.problem.multiplier[active.row + r];
                 let bias = if r == 0 { active.bias } else { 0.0 };
-                let after = (self.problem.c[active.row + r] - bias) / active.scale[r];
+                let relative = (self.problem.c[active.row + r] - bias) / active.scale[r];
+                let after = relative - active.surface_motion[r];
                 force[r] = p * active.scale[r] / h;
                 let lost = -force[r] * h * 0.5 * (before[r] + after);
                 let (friction, impacts) = if r == 0 { (0.0, lost) } else { (lost, 0.0) };

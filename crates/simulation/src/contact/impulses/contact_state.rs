@@ -15,6 +15,8 @@ pub(super) struct ActiveContact {
     /// The factors of its rows, and the velocity added to its normal speed.
     pub(super) scale: [f64; MOST_ROWS],
     pub(super) bias: f64,
+    /// The motion of the surfaces in addition to that of their bodies, along the axes of the contact.
+    pub(super) surface_motion: [f64; MOST_ROWS],
     /// The index of the same contact in the last step, if any.
     pub(super) known: Option<usize>,
     /// Its velocity at the start of the step, as [`ContactImpulses::velocity`].
@@ -23,8 +25,8 @@ pub(super) struct ActiveContact {
 
 impl ActiveContact {
     pub(super) fn new(point: ShapePoint, tree: usize, known: Option<usize>) -> Self {
-        let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
-        Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, known, before }
+        let (scale, zero) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
+        Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, surface_motion: zero, known, before: zero }
     }
 }
 

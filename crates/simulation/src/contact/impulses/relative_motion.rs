@@ -143,6 +143,21 @@ impl ContactImpulses {
         along_axes(&point, &velocity, &spin)
     }
 
+    /// Whether surfaces of shapes move, which can supply energy.
+    pub(crate) fn has_moving_surfaces(&self) -> bool {
+        self.set.has_moving_surfaces
+    }
+
+    /// The motion of the surfaces at a contact in addition to that of their bodies, along the axes of the
+    /// contact. Only sliding and torsional friction count it.
+    pub(super) fn surface_motion(&self, point: &ShapePoint) -> [f64; MOST_ROWS] {
+        let Some([velocity, spin]) = self.set.surface_motion(&self.placement, point, point.at) else {
+            return [0.0; MOST_ROWS];
+        };
+        let [_, s, t, n, _, _] = along_axes(point, &velocity, &spin);
+        [0.0, s, t, n, 0.0, 0.0]
+    }
+
     /// Computes λ of the zeros that remain when links touch each other: a pair's contact couples the
     /// coordinates of both links.
     pub(super) fn couple(&mut self, dof_parent: &[usize]) {

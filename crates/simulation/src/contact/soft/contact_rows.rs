@@ -47,15 +47,16 @@ impl SoftConstraints {
         let mut is_tree = self.joints.add(&self.bodies, &mut state, active, rows);
         self.starts.clear();
         for index in 0..self.contacts.len() {
-            is_tree &= self.add_contact(model, h, self.contacts[index]);
+            let contact = self.contacts[index];
+            is_tree &= self.add_contact(model, h, &contact);
         }
         is_tree
     }
 
     /// Adds the rows of a contact. Returns whether its coordinates lie on one path to the root.
-    fn add_contact(&mut self, model: &Model, h: f64, contact: SoftContact) -> bool {
+    fn add_contact(&mut self, model: &Model, h: f64, contact: &SoftContact) -> bool {
         let mut is_tree = true;
-        let (rows, scale, cone) = self.scaled(&contact);
+        let (rows, scale, cone) = self.scaled(contact);
         let violation = contact.distance - contact.margin;
         let response = Response::new(&contact.softness, h, violation);
         let set = if rows == 1 { Set::Interval(0.0, f64::INFINITY) } else { Set::Cone(cone) };
@@ -81,6 +82,13 @@ impl SoftConstraints {
         let of_sides =
             |solref| Response::new(&SolverImpedance { solref, ..contact.softness }, h, violation).damping;
         let side_damping = contact.solreffriction.map_or(response.damping, of_sides);
+        let [velocity, spin] = contact.surface_motion.map(Vector3::from);
+        for (k, axis) in axes.iter().enumerate().take(rows).skip(1) {
+            self.surface_speeds.push((row + k, scale[k] * axis.dot(&velocity)));
+        }
+        if rows > 3 {
+            self.surface_speeds.push((row + 3, scale[3] * axes[0].dot(&spin)));
+        }
         let asked = RowReference::new(RowOrigin::Contact, row, response.damping, spring);
         self.asked.push(RowReference { rows, side_damping, ..asked });
         self.starts.push(row);

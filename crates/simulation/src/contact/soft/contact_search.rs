@@ -35,7 +35,10 @@ impl SoftConstraints {
         }
         let set = &*set;
         let mut add = |point: &ShapePoint, is_fixed: bool| {
-            let Some((contact, gap)) = contact_at(set, (links, shapes), point) else { return };
+            let Some((mut contact, gap)) = contact_at(set, (links, shapes), point) else { return };
+            if let Some(motion) = set.surface_motion(&bodies.placement, point, contact.point.into()) {
+                contact.surface_motion = motion.map(Into::into);
+            }
             if contact.distance < contact.margin || (is_fixed && contact.distance.is_finite()) {
                 contacts.push(contact);
                 found.push((point.shape, point.against));

@@ -28,6 +28,9 @@ pub struct SoftContact {
     pub softness: SolverImpedance,
     /// `solref` of its friction, if it differs from that of `softness`.
     pub solreffriction: Option<[f64; 2]>,
+    /// The motion of the surface of `link` relative to that of the other side, in addition to the motion of
+    /// the links: the velocity at the point \[m/s\] and ω \[rad/s\], in world axes.
+    pub surface_motion: [[f64; 3]; 2],
 }
 
 impl SoftContact {
@@ -57,6 +60,7 @@ impl SoftContact {
             friction,
             softness,
             solreffriction,
+            surface_motion: [[0.0; 3]; 2],
         }
     }
 

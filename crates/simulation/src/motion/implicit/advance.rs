@@ -260,7 +260,7 @@ impl ImplicitIntegrator {
 
     /// Adds the losses of the pass from v to those of the step, component by component.
     fn add_losses_of(&mut self, v: &[f64]) {
-        let Self { joints, components, memory, lost, last_of, .. } = self;
+        let Self { joints, components, memory, lost, last_of, contacts, .. } = self;
         let ImplicitMemory { displacement, stage_v: v1, fluid: [fluid, _], .. } = memory;
         // ∫Dv·v dt is the impulse D∫v dt times the mean velocity, which is the energy that the change of
         // momentum takes. A fluid's impulse is that of the scheme.
@@ -268,14 +268,15 @@ impl ImplicitIntegrator {
             let damping = (joints.damping[k] * displacement[k] - fluid[k]) * 0.5 * (v[k] + v1[k]);
             lost[components.leader(components.tree_of(k))].damping += damping;
         }
+        let has_moving_surfaces = contacts.as_ref().is_some_and(ContactImpulses::has_moving_surfaces);
         for (last, lost) in last_of.iter_mut().zip(&*lost) {
-            add_lost(last, lost, joints.adds_energy);
+            add_lost(last, lost, joints.adds_energy, has_moving_surfaces);
         }
     }
 }
 
 /// Adds the losses of one pass of a component.
-fn add_lost(last: &mut Losses, lost: &Losses, adds_energy: bool) {
+fn add_lost(last: &mut Losses, lost: &Losses, adds_energy: bool, has_moving_surfaces: bool) {
     // If stiff damping overshoots, friction has the wrong sign over the step, and the difference is
     // subtracted from damping.
     let overshot = lost.friction.min(0.0) + lost.stops.min(0.0);
@@ -287,6 +288,12 @@ fn add_lost(last: &mut Losses, lost: &Losses, adds_energy: bool) {
     // reverse; only their sum is a loss. A negative sum of sticking or rolling contacts is an error of the
     // scheme and not a supply of energy.
     let (sliding, impacts) = (lost.sliding, lost.impacts);
+    if has_moving_surfaces {
+        // Their work is a negative loss.
+        last.sliding += sliding;
+        last.impacts += impacts;
+        return;
+    }
     last.sliding += (sliding + impacts.min(0.0)).max(0.0);
     last.impacts += (impacts + sliding.min(0.0)).max(0.0);
 }

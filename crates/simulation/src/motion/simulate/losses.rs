@@ -13,7 +13,8 @@ pub struct Losses {
     /// Position corrections of states that begin a step more than 0.1 mm beyond a stop or inside a contact;
     /// negative if they added energy.
     pub corrections: f64,
-    /// Sliding friction of contacts: the same expression with their impulses.
+    /// Sliding friction of contacts: the same expression with their impulses. The work of moving surfaces is
+    /// a negative loss.
     pub sliding: f64,
     /// Impacts on the ground: the normal impulse times the mean of the normal velocities before and after.
     pub impacts: f64,
