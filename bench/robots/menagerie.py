@@ -144,6 +144,12 @@ def relative(mine, theirs, least=0.0):
     return float(np.max(np.abs(mine - theirs), initial=0.0) / largest) if largest > 0 else 0.0
 
 
+def is_disabled(model, name):
+    """Whether a flag disables this kind of constraint; CONSTRAINT disables all."""
+    bits = [getattr(mujoco.mjtDisableBit, f"mjDSBL_{bit}") for bit in (name, "CONSTRAINT")]
+    return any(model.opt.disableflags & int(bit) for bit in bits)
+
+
 def check_joints(model, joints):
     """Compares limits, armature, damping, friction and springs of all joints; raises Differs."""
     def motors(target, values):
@@ -158,10 +164,10 @@ def check_joints(model, joints):
         pairs = [
             ("armature", passive["armature"], model.dof_armature[dof] + motors(i, model.actuator_armature)),
             ("damping", passive["damping"], model.dof_damping[dof] + motors(i, model.actuator_damping)),
-            ("friction", passive["friction"], model.dof_frictionloss[dof]),
+            ("friction", passive["friction"], 0.0 if is_disabled(model, "FRICTIONLOSS") else model.dof_frictionloss[dof]),
         ]
         if kind not in (FREE, BALL):
-            limited = bool(model.jnt_limited[i])
+            limited = bool(model.jnt_limited[i]) and not is_disabled(model, "LIMIT")
             pairs += [
                 ("stiffness", passive["stiffness"], model.jnt_stiffness[i]),
                 ("rest", passive["rest"], model.qpos_spring[model.jnt_qposadr[i]]),

@@ -317,10 +317,12 @@ impl Reader<'_> {
         let mut activation = self.limit(element, "actlimited", "actrange");
         let mut control = self.limit(element, "ctrllimited", "ctrlrange");
         if settings.control_is_limited && control.is_none() {
-            control = self.numbers::<2>(element, "ctrlrange");
+            control = self.bounds(element, "ctrlrange");
         }
         if settings.inherit_range > 0.0 {
-            match target.filter(|limits| limits.lower < limits.upper && limits.lower.is_finite()) {
+            match target
+                .filter(|limits| limits.lower < limits.upper && (limits.upper - limits.lower).is_finite())
+            {
                 Some(limits) => {
                     let mean = 0.5 * (limits.upper + limits.lower);
                     let radius = 0.5 * (limits.upper - limits.lower) * settings.inherit_range;

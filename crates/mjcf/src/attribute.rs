@@ -103,6 +103,17 @@ impl<'a> Reader<'a> {
         Some(values)
     }
 
+    /// The two numbers of a range. A bound can be infinite, as `inf` or `-inf`.
+    pub(crate) fn bounds(&mut self, element: &Element, attribute: &str) -> Option<[f64; 2]> {
+        let (text, node) = self.text_at(element, attribute)?;
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let [first, second] = words[..] else { return self.numbers(element, attribute) };
+        Some([first, second].map(|word| match infinity(word) {
+            Some(bound) => bound,
+            None => self.list(word, attribute, node).map_or(f64::NAN, |list| list[0]),
+        }))
+    }
+
     /// Up to `N` numbers that replace the first of `values`. The defaults are applied before the element, the
     /// outermost first.
     pub(crate) fn overlay<const N: usize>(
@@ -171,4 +182,10 @@ impl<'a> Reader<'a> {
         let is_long = values.len() > LONG_LIST;
         (!is_long || self.charge(node, Resource::Numbers, LIST_WEIGHT * values.len())).then_some(values)
     }
+}
+
+/// The value of a word for infinity; `None` for numbers, also for one that overflows.
+fn infinity(word: &str) -> Option<f64> {
+    let value: f64 = word.parse().ok()?;
+    (value.is_infinite() && !word.bytes().any(|byte| byte.is_ascii_digit())).then_some(value)
 }

@@ -187,9 +187,9 @@ impl Reader<'_> {
         range: &'static str,
     ) -> Option<[f64; 2]> {
         let limited = self.word(element, word, &["false", "true", "auto"]);
-        let bounds = self.numbers::<2>(element, range);
+        let bounds = self.bounds(element, range);
         match (limited, bounds) {
-            (Some("false"), _) | (_, None) => None,
+            (Some("false"), _) | (_, None | Some([f64::NEG_INFINITY, f64::INFINITY])) => None,
             (Some("true"), Some([lower, upper])) => {
                 if lower >= upper {
                     self.warn(

@@ -164,6 +164,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.sensors(&bodies, &table, &mut robot);
     reader.resolve_rest_lengths(&table, &at_rest, &mut robot);
     reader.resolve_damping_ratios(&bodies, &table, &actuators, &mut robot);
+    disabled.remove_from(&mut robot);
     drop((bodies, masses, table, actuators));
     reader.list_unread();
     add_floating_base(&mut reader, &mut robot);

@@ -159,12 +159,17 @@ impl Reader<'_> {
         // Volume or area, mass properties at density 1, and the frame in the body.
         let (measure, own, place) = match (geom.form, &geom.mesh) {
             (GeomType::Plane, _) => return None,
-            (GeomType::HeightField | GeomType::SignedDistance, _) => {
-                let message = "its mass is not in the model: masses of height fields and signed distance fields are not supported";
+            (GeomType::HeightField, _) => {
+                let size = self.height_field_size(geom)?;
+                solid(GeomType::Box, size, geom.shell, geom.body_from_geom)?
+            }
+            (GeomType::SignedDistance, None) => {
+                let message =
+                    "its mass is not in the model: a signed distance field without a mesh is not supported";
                 self.report_ignored_physics(&geom.element, message);
                 return None;
             }
-            (GeomType::Mesh, Some(mesh)) => {
+            (GeomType::Mesh | GeomType::SignedDistance, Some(mesh)) => {
                 if geom.shell {
                     let message = "shellinertia of a mesh, which MuJoCo 4 refuses: taken as mass in the surface; write \
                                    inertia=\"shell\" in its <asset>";
@@ -178,11 +183,7 @@ impl Reader<'_> {
                     None => (geom.size, geom.body_from_geom),
                     Some(mesh) => self.fit_primitive(geom, mesh)?,
                 };
-                let extent = primitive::extent(form, size, geom.shell)?;
-                let inertia =
-                    Matrix3::from_diagonal(&Vector3::from(extent.moments.map(|i| i * extent.measure)));
-                let own = MassProperties::as_written(extent.measure, Vector3::zeros(), inertia).ok()?;
-                (extent.measure, own, place)
+                solid(form, size, geom.shell, place)?
             }
         };
         if measure <= MASS_THRESHOLD && geom.mass.is_some() {
@@ -193,6 +194,15 @@ impl Reader<'_> {
         let own = MassProperties::as_written(measure * density, own.center_of_mass(), inertia).ok()?;
         let Isometry3 { rotation, translation } = place;
         Some(own.transformed(&rotation.to_rotation_matrix(), &translation.vector))
+    }
+
+    /// As in MuJoCo, the mass of a height field is that of a box around the geom's origin. Its half height is
+    /// a quarter of the largest elevation plus half the depth of the base.
+    fn height_field_size(&mut self, geom: &Geom) -> Option<[f64; 3]> {
+        let wanted = self.text(&geom.element, "hfield")?;
+        let field = self.raw_element(*self.height_fields.get(wanted)?);
+        let [x, y, height, base] = self.numbers::<4>(&field, "size")?;
+        Some([x, y, 0.25 * height + 0.5 * base])
     }
 
     /// The extent of a mesh; `None` with an error if it cannot be used. An unknown mesh is reported by
@@ -242,4 +252,17 @@ impl Reader<'_> {
             Isometry3::from_parts(Translation3::from(extent.body.center_of_mass()), turn.into());
         Some((size.map(|x| x * geom.fit_scale), geom.body_from_geom * mesh_from_box))
     }
+}
+
+/// The measure of a primitive, its mass properties at density 1, and its frame in the body.
+fn solid(
+    form: GeomType,
+    size: [f64; 3],
+    shell: bool,
+    place: Isometry3<f64>,
+) -> Option<(f64, MassProperties, Isometry3<f64>)> {
+    let extent = primitive::extent(form, size, shell)?;
+    let inertia = Matrix3::from_diagonal(&Vector3::from(extent.moments.map(|i| i * extent.measure)));
+    let own = MassProperties::as_written(extent.measure, Vector3::zeros(), inertia).ok()?;
+    Some((extent.measure, own, place))
 }

@@ -1,12 +1,12 @@
 //! Reads `<option>`: gravity, the fluid, time step and flags.
 
-use robot_dynamics_description::{Disposition, RobotDescription};
+use robot_dynamics_description::{Disposition, Limits, RobotDescription, ShapeRole};
 use robot_dynamics_xml::excerpt;
 
 use crate::reader::Reader;
 use crate::tree::Tree;
 
-/// The forces that flags disable.
+/// The forces and constraints that flags disable.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // one for each thing that can be switched off
 pub(crate) struct DisabledForces {
@@ -14,12 +14,47 @@ pub(crate) struct DisabledForces {
     pub(crate) springs: bool,
     pub(crate) dampers: bool,
     pub(crate) friction: bool,
+    contacts: bool,
+    equalities: bool,
+    limits: bool,
+}
+
+impl DisabledForces {
+    /// Removes the constraints that are disabled: equalities, limits of joints and tendons, and contacts.
+    /// Shapes then have no bits of contact. Without springs and dampers MuJoCo has no gravity compensation
+    /// either.
+    pub(crate) fn remove_from(self, robot: &mut RobotDescription) {
+        if self.springs && self.dampers {
+            robot.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
+        }
+        if self.equalities {
+            robot.equalities.clear();
+        }
+        if self.contacts {
+            robot.contact_pairs.clear();
+            for shape in &mut robot.shapes {
+                shape.role = ShapeRole::Visual;
+                (shape.surface.contype, shape.surface.conaffinity) = (0, 0);
+            }
+        }
+        if self.limits {
+            let joints = robot.joints.iter_mut().map(|joint| &mut joint.limits);
+            let tendons = robot.tendons.iter_mut().map(|tendon| &mut tendon.limits);
+            let paths = robot.spatial_tendons.iter_mut().map(|tendon| &mut tendon.limits);
+            for limits in joints.chain(tendons).chain(paths) {
+                let Limits { lower, upper, turn, .. } = Limits::default();
+                (limits.lower, limits.upper, limits.turn) = (lower, upper, turn);
+            }
+        }
+    }
 }
 
 impl Reader<'_> {
     /// Reads all `<option>` elements. The last value of an attribute counts.
     pub(crate) fn read_option(&mut self, robot: &mut RobotDescription) -> DisabledForces {
         let mut disabled = DisabledForces::default();
+        // `passive` was removed from the format in favour of `spring` and `damper`.
+        let [mut constraints, mut passive] = [false; 2];
         for node in self.tree.children(Tree::ROOT, "option").collect::<Vec<_>>() {
             let element = self.raw_element(node);
             if let Some(gravity) = self.numbers::<3>(&element, "gravity") {
@@ -61,12 +96,27 @@ impl Reader<'_> {
                     }
                     word.map(|word| word == "disable")
                 };
-                let [gravity, springs, dampers, friction] =
-                    ["gravity", "spring", "damper", "frictionloss"].map(&mut read);
-                disabled.gravity = gravity.unwrap_or(disabled.gravity);
-                disabled.springs = springs.unwrap_or(disabled.springs);
-                disabled.dampers = dampers.unwrap_or(disabled.dampers);
-                disabled.friction = friction.unwrap_or(disabled.friction);
+                for (name, own) in [
+                    ("gravity", &mut disabled.gravity),
+                    ("spring", &mut disabled.springs),
+                    ("damper", &mut disabled.dampers),
+                    ("frictionloss", &mut disabled.friction),
+                    ("contact", &mut disabled.contacts),
+                    ("equality", &mut disabled.equalities),
+                    ("limit", &mut disabled.limits),
+                    ("constraint", &mut constraints),
+                    ("passive", &mut passive),
+                ] {
+                    *own = read(name).unwrap_or(*own);
+                }
+            }
+        }
+        disabled.springs |= passive;
+        disabled.dampers |= passive;
+        if constraints {
+            let DisabledForces { friction, contacts, equalities, limits, .. } = &mut disabled;
+            for own in [friction, contacts, equalities, limits] {
+                *own = true;
             }
         }
         if disabled.gravity {

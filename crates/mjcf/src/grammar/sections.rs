@@ -69,6 +69,9 @@ const fn unsupported_actuator(name: &'static str) -> Rule {
     rule(&["actuator", "default"], name, Physics("an actuator of this kind is not in the model"))
 }
 
+/// The flags that are read.
+const FLAGS: &[&str] =
+    &["gravity", "spring", "damper", "passive", "frictionloss", "contact", "equality", "limit", "constraint"];
 const EQUALITY: &[&str] = &["name", "class", "active", "solref", "solimp"];
 const TENDON: &[&str] = &[
     "name",
@@ -155,7 +158,7 @@ pub(super) const RULES: &[Rule] = &[
         "mpr_tolerance",
     ])
     .physics(&[("actuatorgroupdisable", "")]),
-    read(&["option"], "flag", &["gravity", "spring", "damper", "frictionloss", "passive"])
+    read(&["option"], "flag", FLAGS)
         .ignored(&[
             "warmstart",
             "filterparent",
@@ -175,15 +178,7 @@ pub(super) const RULES: &[Rule] = &[
             "ipc",
             "speculative",
         ])
-        .physics(&[
-            ("constraint", "enable"),
-            ("equality", "enable"),
-            ("limit", "enable"),
-            ("contact", "enable"),
-            ("clampctrl", "enable"),
-            ("actuation", "enable"),
-            ("override", "disable"),
-        ]),
+        .physics(&[("clampctrl", "enable"), ("actuation", "enable"), ("override", "disable")]),
     rule(TOP, "size", NotDynamics("memory sizes of MuJoCo")),
     rule(TOP, "statistic", Appearance),
     rule(TOP, "visual", Appearance),

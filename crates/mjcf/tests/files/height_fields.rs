@@ -59,3 +59,34 @@ fn a_height_field_is_named_by_its_file() {
     let robot = parse(text, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.description.shapes[0].shape.file(), Some(("maps/hills.bin", None)));
 }
+
+/// The mass of a height field as in mujoco 4.0.0: that of a box of 0.4 · 0.6 · 0.7 m.
+#[test]
+fn a_height_field_has_the_mass_of_a_box() {
+    let text = "<mujoco><asset><hfield name='h' nrow='2' ncol='2' size='0.2 0.3 0.4 0.5' elevation='0 1 2 3'/></asset>
+        <worldbody><body><freejoint/><geom type='hfield' hfield='h' pos='1 0 0' euler='0 0 30'/></body></worldbody></mujoco>";
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
+    assert_eq!(robot.report.warnings().count(), 0, "{}", robot.report);
+    let body = robot.description.links[1].mass_properties.expect("a mass");
+    assert!((body.mass() - 168.0).abs() < 1e-12, "{}", body.mass());
+    let mut moments: Vec<f64> = body.principal().moments.iter().copied().collect();
+    moments.sort_by(f64::total_cmp);
+    for (found, expected) in moments.iter().zip([7.28, 9.1, 11.9]) {
+        assert!((found - expected).abs() < 1e-12, "{moments:?}");
+    }
+    assert!((body.center_of_mass().x - 1.0).abs() < 1e-15);
+}
+
+/// A signed distance field of a mesh has the mass of the mesh, as in mujoco 4.0.0.
+#[test]
+fn a_signed_distance_field_has_the_mass_of_its_mesh() {
+    let mass = |form: &str| {
+        let text = format!(
+            "<mujoco><asset><mesh name='m' builtin='sphere' params='1'/></asset><worldbody><body><freejoint/>
+             <geom type='{form}' mesh='m'/></body></worldbody></mujoco>"
+        );
+        parse(&text, &LoadOptions::default()).expect("a robot").description.links[1].mass_properties
+    };
+    assert!(mass("mesh").is_some());
+    assert_eq!(mass("mesh"), mass("sdf"));
+}

@@ -1,6 +1,6 @@
 //! Tests the conversion of elements for which MuJoCo has no number to compare with.
 
-use robot_dynamics::description::{Base, JointKind};
+use robot_dynamics::description::{Base, JointKind, ShapeRole};
 use robot_dynamics::model::Model;
 use robot_dynamics_mjcf::{Disposition, LoadOptions, MjcfError, Robot, parse};
 
@@ -161,6 +161,92 @@ fn flags_switch_forces_off() {
     assert_eq!(passive("spring='disable'"), [0.0, 2.0, 1.0]);
     assert_eq!(passive("damper='disable'"), [3.0, 0.0, 1.0]);
     assert_eq!(passive("frictionloss='disable'"), [3.0, 2.0, 0.0]);
+    assert_eq!(passive("constraint='disable'"), [3.0, 2.0, 0.0]);
+}
+
+/// As in MuJoCo, a disabled constraint does not act, and `constraint` disables all of them.
+#[test]
+fn flags_switch_constraints_off() {
+    let left = |flag: &str| {
+        let text = format!(
+            "<mujoco><option><flag {flag}/></option><worldbody><body><joint name='j' range='0 90'/>{BALL}</body></worldbody>\
+             <tendon><fixed name='t' range='0 1'><joint joint='j' coef='1'/></fixed></tendon>
+             <equality><joint joint1='j'/></equality></mujoco>"
+        );
+        let robot = read(&text);
+        assert_eq!(robot.report.warnings().count(), 0, "{flag}: {}", robot.report);
+        let robot = robot.description;
+        let [joint, tendon] = [robot.joints[0].limits, robot.tendons[0].limits];
+        let is_limited = joint.upper.is_finite() && tendon.lower.is_finite();
+        assert_eq!(is_limited, joint.lower.is_finite() || tendon.upper.is_finite());
+        let touches = robot.shapes.iter().any(|shape| shape.surface.contype != 0);
+        assert_eq!(touches, robot.shapes.iter().any(|shape| shape.role == ShapeRole::Collision));
+        [is_limited, touches, !robot.equalities.is_empty()]
+    };
+    assert_eq!(left("constraint='enable'"), [true; 3]);
+    assert_eq!(left("limit='disable'"), [false, true, true]);
+    assert_eq!(left("contact='disable'"), [true, false, true]);
+    assert_eq!(left("equality='disable'"), [true, true, false]);
+    assert_eq!(left("constraint='disable'"), [false; 3]);
+}
+
+/// As in MuJoCo, `spring` and `damper` together also disable the compensation of gravity. `passive`, which
+/// earlier versions have, disables both.
+#[test]
+fn flags_switch_gravity_compensation_off() {
+    for (flag, compensation) in [
+        ("spring='disable'", 1.0),
+        ("damper='disable'", 1.0),
+        ("spring='disable' damper='disable'", 0.0),
+        ("passive='disable'", 0.0),
+    ] {
+        let text = format!(
+            "<mujoco><option><flag {flag}/></option><worldbody><body gravcomp='1'><joint stiffness='1'/>{BALL}</body></worldbody></mujoco>"
+        );
+        let robot = read(&text);
+        assert_eq!(robot.report.warnings().count(), 0, "{flag}: {}", robot.report);
+        assert_eq!(robot.description.links[1].gravity_compensation, compensation, "{flag}");
+        assert_eq!(
+            robot.description.joints[0].passive.stiffness,
+            f64::from(flag == "damper='disable'"),
+            "{flag}"
+        );
+    }
+}
+
+/// As in MuJoCo, a bound of a range can be infinite, but no other number.
+#[test]
+fn bounds_can_be_infinite() {
+    let text = |joint: &str, motor: &str| {
+        format!(
+            "<mujoco><worldbody><body><joint name='j' {joint}/>{BALL}</body></worldbody>
+             <actuator><motor joint='j' {motor}/></actuator></mujoco>"
+        )
+    };
+    let of = |joint: &str, motor: &str| read(&text(joint, motor)).description;
+    let limits = |joint: &str| {
+        let limits = of(joint, "").joints[0].limits;
+        [limits.lower, limits.upper]
+    };
+    let infinite = [f64::NEG_INFINITY, f64::INFINITY];
+    assert_eq!(limits("range='-inf inf'"), infinite);
+    assert_eq!(limits("limited='true' range='-Infinity INF'"), infinite);
+    assert_eq!(limits("range='-inf 180'"), [f64::NEG_INFINITY, std::f64::consts::PI]);
+    assert_eq!(of("", "ctrlrange='-inf inf'").actuators[0].control_range, infinite);
+    assert_eq!(of("", "forcerange='-3 inf'").actuators[0].force_range, [-3.0, f64::INFINITY]);
+    for (joint, motor) in [
+        ("range='-1e400 1'", ""),
+        ("range='nan 1'", ""),
+        ("range='inf'", ""),
+        ("range='0 1 inf'", ""),
+        ("range='0 inf' armature='inf'", ""),
+        ("range='0 inf'", "ctrlrange='0 x'"),
+    ] {
+        assert!(
+            robot_dynamics_mjcf::parse(&text(joint, motor), &LoadOptions::default()).is_err(),
+            "{joint} {motor}"
+        );
+    }
 }
 
 #[test]
