@@ -193,7 +193,7 @@ def check_actuators(model, actuators):
         for what, mine, theirs in [
             ("gain", [own["gain"][key] for key in ("constant", "length", "velocity")], numbers),
             ("bias", [own["bias"][key] for key in ("constant", "length", "velocity")], bias),
-            ("gear", np.atleast_1d(transmission["gear"]), gear),
+            ("gear", np.atleast_1d(transmission.get("gear", gear)), gear),
             ("control range", own["control_range"], model.actuator_ctrlrange[i] if model.actuator_ctrllimited[i] else unbounded),
             ("force range", own["force_range"], model.actuator_forcerange[i] if model.actuator_forcelimited[i] else unbounded),
         ]:

@@ -146,7 +146,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let mut bodies = reader.bodies();
     if reader.budget.is_exceeded() {
         // The other findings would describe an incomplete robot.
-        return Err(LoadError::new(reader.errors, MjcfError::line, reader.report));
+        return Err(LoadError::new(reader.errors, MjcfError::sorted_at, reader.report));
     }
     let mut masses = reader.masses(&bodies);
     reader.align_free_bodies(&mut bodies, &mut masses);
@@ -183,6 +183,6 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     if reader.errors.is_empty() {
         Ok(Robot { description: robot, report, angles: reader.angles })
     } else {
-        Err(LoadError::new(reader.errors, MjcfError::line, report))
+        Err(LoadError::new(reader.errors, MjcfError::sorted_at, report))
     }
 }

@@ -185,6 +185,12 @@ pub enum UrdfError {
 }
 
 impl UrdfError {
+    /// The line by which errors are sorted. A limit on the whole file comes first, so that it is always among
+    /// the listed errors.
+    pub(crate) fn sorted_at(&self) -> Option<usize> {
+        if matches!(self, Self::TooMany { .. }) { None } else { self.line() }
+    }
+
     /// The line of the error, from 1; `None` for errors of the whole file.
     pub fn line(&self) -> Option<usize> {
         match self {

@@ -43,7 +43,7 @@ impl Robot {
         if reader.errors.is_empty() {
             Ok(Self { description: robot, report, angles })
         } else {
-            Err(LoadError::new(reader.errors, UrdfError::line, report))
+            Err(LoadError::new(reader.errors, UrdfError::sorted_at, report))
         }
     }
 }

@@ -80,7 +80,7 @@ pub(crate) fn read_sdf<'a>(
     if parts.budget.is_exceeded() || name.is_none() {
         // The other findings would describe an incomplete robot.
         reader.errors.append(&mut reader.refused_warnings);
-        return Err(LoadError::new(reader.errors, UrdfError::line, reader.report));
+        return Err(LoadError::new(reader.errors, UrdfError::sorted_at, reader.report));
     }
     let name = name.filter(|name| !name.is_empty()).unwrap_or_else(|| "robot".to_owned());
     let mut robot = RobotDescription::new(&name);

@@ -128,7 +128,7 @@ pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, St
         if reader.errors.is_empty() {
             Ok(found.pairs)
         } else {
-            Err(LoadError::new(reader.errors, UrdfError::line, reader.report))
+            Err(LoadError::new(reader.errors, UrdfError::sorted_at, reader.report))
         }
     });
     read.map_err(UrdfError::from)?

@@ -141,6 +141,19 @@ fn many_defaults_and_equal_names_take_no_quadratic_work() {
     assert_eq!(quickly("sites", &text).expect("a robot").description.frames.len(), 100_000);
 }
 
+/// A limit is the first error, although more errors than are listed precede it in the file.
+#[test]
+fn an_exceeded_limit_is_not_hidden_by_other_errors() {
+    let invalid = "<body><joint type='x'/></body>\n".repeat(2000);
+    let text = format!(
+        "<mujoco><asset><hfield name='h' nrow='10000' ncol='10000' size='1 1 1 1'/></asset>
+         <worldbody>\n{invalid}<geom type='hfield' hfield='h'/></worldbody></mujoco>"
+    );
+    let error = quickly("many errors", &text).expect_err("too many");
+    assert!(error.unlisted() > 0);
+    assert!(matches!(error.errors()[0], MjcfError::TooMany { .. }), "{error}");
+}
+
 #[test]
 fn entities_do_not_expand() {
     let mut bomb = String::from("<!DOCTYPE mujoco [<!ENTITY e0 \"ha\">");

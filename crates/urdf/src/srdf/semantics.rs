@@ -178,7 +178,7 @@ impl<'a, 'r> Semantics<'a, 'r> {
         report.sort();
         let mut errors = self.reader.errors;
         errors.append(&mut self.reader.refused_warnings);
-        if errors.is_empty() { Ok(report) } else { Err(LoadError::new(errors, UrdfError::line, report)) }
+        if errors.is_empty() { Ok(report) } else { Err(LoadError::new(errors, UrdfError::sorted_at, report)) }
     }
 }
 
