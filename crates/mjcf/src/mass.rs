@@ -156,6 +156,7 @@ impl Reader<'_> {
         if geom.mass == Some(0.0) || (geom.mass.is_none() && geom.density == 0.0) {
             return None;
         }
+        let of_plugin = matches!(geom.form, GeomType::SignedDistance) && !self.mesh_has_points(geom);
         // Volume or area, mass properties at density 1, and the frame in the body.
         let (measure, own, place) = match (geom.form, &geom.mesh) {
             (GeomType::Plane, _) => return None,
@@ -163,9 +164,9 @@ impl Reader<'_> {
                 let size = self.height_field_size(geom)?;
                 solid(GeomType::Box, size, geom.shell, geom.body_from_geom)?
             }
-            (GeomType::SignedDistance, None) => {
+            (GeomType::SignedDistance, _) if of_plugin => {
                 let message =
-                    "its mass is not in the model: a signed distance field without a mesh is not supported";
+                    "its mass is not in the model: the signed distance field of a plugin is not supported";
                 self.report_ignored_physics(&geom.element, message);
                 return None;
             }
@@ -194,6 +195,14 @@ impl Reader<'_> {
         let own = MassProperties::as_written(measure * density, own.center_of_mass(), inertia).ok()?;
         let Isometry3 { rotation, translation } = place;
         Some(own.transformed(&rotation.to_rotation_matrix(), &translation.vector))
+    }
+
+    /// Whether the mesh of a geom is a file or a list of points. Otherwise its points come from a plugin.
+    fn mesh_has_points(&mut self, geom: &Geom) -> bool {
+        let Some(mesh) = geom.mesh.as_deref() else { return false };
+        // A missing mesh is reported with the shape.
+        let Some(element) = self.mesh_named(mesh) else { return true };
+        ["file", "vertex", "builtin"].iter().any(|source| self.text(&element, source).is_some())
     }
 
     /// As in MuJoCo, the mass of a height field is that of a box around the geom's origin. Its half height is

@@ -12,7 +12,7 @@ use crate::assets::Meshes;
 use crate::classes::{Class, Classes};
 use crate::element::Element;
 use crate::settings::Compiler;
-use crate::tree::{Id, Tree, in_file_place};
+use crate::tree::{Id, Node, Tree, in_file_place};
 use crate::{LoadOptions, MjcfError};
 
 /// Reads the elements of one file and collects findings and errors.
@@ -32,6 +32,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) materials: HashMap<String, Id>,
     /// The `<hfield>` elements by name.
     pub(crate) height_fields: HashMap<String, Id>,
+    /// The beginnings of the names of bodies, joints and other parts of deformable bodies.
+    deformable_prefixes: Vec<String>,
     pub(crate) options: LoadOptions,
     /// The Euler angles of all frames.
     pub(crate) angles: Vec<WrittenAngles>,
@@ -55,6 +57,7 @@ impl<'a> Reader<'a> {
             body_indices: HashMap::new(),
             materials: HashMap::new(),
             height_fields: HashMap::new(),
+            deformable_prefixes: tree.nodes.iter().filter_map(deformable_prefix).collect(),
             options,
             angles: Vec::new(),
             report: LoadReport::default(),
@@ -126,8 +129,17 @@ impl<'a> Reader<'a> {
         );
     }
 
-    /// Lists a reference to an element that does not exist.
+    /// Lists a reference to an element that does not exist. A reference to a part of a deformable body is
+    /// ignored with its element, as the body is.
     pub(crate) fn refuse_unknown_name(&mut self, element: &Element, what: &'static str, name: &str) {
+        if self.deformable_prefixes.iter().any(|prefix| is_part_of_deformable(name, prefix)) {
+            let name = excerpt(name);
+            self.report_ignored_physics(
+                element,
+                format!("the {what} {name:?} of a deformable body is not in the model"),
+            );
+            return;
+        }
         let (line, place) = (element.line, element.place.clone());
         self.errors.push(MjcfError::UnknownName { line, place, what, name: excerpt(name) });
     }
@@ -157,4 +169,22 @@ impl<'a> Reader<'a> {
             self.report.add(Finding::new(line, place, disposition, message));
         }
     }
+}
+
+/// The beginning of the names of the parts that this element would make, if it is a deformable body.
+fn deformable_prefix(node: &Node) -> Option<String> {
+    match node.name.as_str() {
+        "flexcomp" => Some(format!("{}_", node.attribute("name")?)),
+        "composite" => Some(node.attribute("prefix").unwrap_or_default().to_owned()),
+        _ => None,
+    }
+}
+
+/// Whether MuJoCo would give this name to a part of a deformable body: a number after the prefix, or, for
+/// `composite`, a letter for the kind and a place, as in `B_first` or `J12`.
+fn is_part_of_deformable(name: &str, prefix: &str) -> bool {
+    let Some(rest) = name.strip_prefix(prefix) else { return false };
+    let place = rest.strip_prefix(['B', 'G', 'J', 'S', 'T']).unwrap_or(rest);
+    let is_number = !place.is_empty() && place.bytes().all(|byte| byte.is_ascii_digit());
+    is_number || (place.len() < rest.len() && matches!(place, "_first" | "_last"))
 }

@@ -66,7 +66,7 @@ fn attributes_without_effect_give_notes() {
         "<worldbody><body name='b'><joint name='k'/><geom size='1' surfacevel='0 0 0' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag clampctrl='enable'/></option>",
     );
     let robot = read(&text);
-    assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 4), "{}", robot.report);
+    assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 3), "{}", robot.report);
     assert!(parse(&text, &LoadOptions::default().with_strict()).is_ok());
 }
 

@@ -90,3 +90,12 @@ fn a_signed_distance_field_has_the_mass_of_its_mesh() {
     assert!(mass("mesh").is_some());
     assert_eq!(mass("mesh"), mass("sdf"));
 }
+
+/// The points of a mesh can come from a plugin, which MuJoCo alone has.
+#[test]
+fn a_signed_distance_field_of_a_plugin_has_no_mass() {
+    let text = "<mujoco><asset><mesh name='m'><plugin plugin='mujoco.sdf.torus'/></mesh></asset><worldbody>
+        <body><freejoint/><geom size='1'/><geom type='sdf' mesh='m'/></body></worldbody></mujoco>";
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
+    assert!(robot.report.to_string().contains("its mass is not in the model"), "{}", robot.report);
+}

@@ -214,6 +214,27 @@ fn flags_switch_gravity_compensation_off() {
     }
 }
 
+/// An element that refers to a part of a deformable body is left out with a warning, like the body. Other
+/// unknown names are errors.
+#[test]
+fn parts_of_deformable_bodies_can_be_referred_to() {
+    let text = |body: &str| {
+        format!(
+            "<mujoco><worldbody><body name='pin'>{BALL}<flexcomp type='grid' count='3 3 1' name='flag'/></body>
+             <body><composite prefix='rope' type='cable' count='4 1 1'/></body></worldbody>
+             <equality><connect body1='{body}' anchor='0 0 0'/></equality></mujoco>"
+        )
+    };
+    for body in ["flag_0", "flag_12", "ropeB_first", "ropeB_last", "ropeB3"] {
+        let robot = read(&text(body));
+        assert_eq!(robot.report.counts.ignored_physics, 3, "{body}: {}", robot.report);
+        assert!(robot.description.equalities.is_empty());
+    }
+    for body in ["flag_", "flag_x", "flags_0", "ropeB", "rope_x", "ropeX1"] {
+        assert!(parse(&text(body), &LoadOptions::default()).is_err(), "{body}");
+    }
+}
+
 /// As in MuJoCo, a bound of a range can be infinite, but no other number.
 #[test]
 fn bounds_can_be_infinite() {
