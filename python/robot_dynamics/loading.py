@@ -23,9 +23,9 @@ def load(
 ) -> Robot:
     """Load a robot from a file of any format that the library reads.
 
-    URDF opens no other file. SDF opens the models that it includes, and a scene the files of its robots and
-    meshes. MJCF opens included and attached files, and the meshes from which the inertia of a body comes.
-    They may be anywhere on the disk, unless `confined` is set.
+    URDF opens no other file. SDF opens the models that it includes, USD the layers that it references, and a
+    scene the files of its robots and meshes. MJCF opens included and attached files, and the meshes from
+    which the inertia of a body comes. They may be anywhere on the disk, unless `confined` is set.
 
     Suspicious values are taken as written. Each kind of them raises one `LoadWarning` with the error, the
     number of places and the first place. `Robot.report` has every finding.

@@ -42,7 +42,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
     ("xml", &["encoding_rs", "roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust"]),
     ("urdf", &["core", "description", "nalgebra", "number", "thiserror", "xml"]),
-    ("usd", &["anyhow", "description", "mesh", "nalgebra", "openusd", "thiserror", "xml", "zip"]),
+    ("usd", &["anyhow", "description", "lz4_flex", "mesh", "nalgebra", "openusd", "thiserror", "xml", "zip"]),
     ("mjcf", &["core", "description", "mesh", "nalgebra", "thiserror", "xml"]),
     ("functions", &["core", "description", "expression", "integrators", "number", "simulation", "thiserror"]),
     (

@@ -180,7 +180,8 @@ fn print_load_report(report: &LoadReport, all: bool) -> Result<(), Failure> {
     for finding in listed {
         let (line, place, disposition) = (finding.line(), finding.place(), finding.disposition());
         let (place, message) = (one_line(place), one_line(finding.message()));
-        let _ = writeln!(text, "  {}: line {line}: {place}: {disposition}: {message}", finding.severity());
+        let line = if line == 0 { String::new() } else { format!("line {line}: ") };
+        let _ = writeln!(text, "  {}: {line}{place}: {disposition}: {message}", finding.severity());
         if text.len() > BUFFER_SIZE {
             print(&text)?;
             text.clear();

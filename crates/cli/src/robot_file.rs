@@ -20,8 +20,8 @@ const WARNINGS_SHOWN: usize = 10;
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct RobotFile {
-    /// The robot's file: URDF, MJCF, SDF or a scene. Mesh files are read only if the inertia of a body needs
-    /// them.
+    /// The robot's file: URDF, MJCF, SDF, USD or a scene. Mesh files are read only if the inertia of a body
+    /// needs them.
     robot: PathBuf,
     /// Add a floating joint between the world and the root link: six degrees of freedom, before all others.
     #[arg(long)]

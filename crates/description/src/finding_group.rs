@@ -33,6 +33,11 @@ pub struct FindingGroup<'a> {
 /// The number of places that a group's text names after the first.
 const PLACES_SHOWN: usize = 3;
 
+/// The line of a finding with its colon; empty for formats without lines.
+fn line_text(finding: &Finding) -> String {
+    if finding.line() == 0 { String::new() } else { format!("line {}: ", finding.line()) }
+}
+
 impl<'a> FindingGroup<'a> {
     /// The findings, at least one, in the order of the report.
     pub fn findings(&self) -> &[&'a Finding] {
@@ -44,14 +49,14 @@ impl fmt::Display for FindingGroup<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [first, others @ ..] = &self.findings[..] else { return Ok(()) };
         let (place, message) = (one_line(first.place()), one_line(first.message()));
-        write!(f, "line {}: {place}: {message}", first.line())?;
+        write!(f, "{}{place}: {message}", line_text(first))?;
         if others.is_empty() {
             return Ok(());
         }
         write!(f, " ({} of this kind; also at ", self.findings.len())?;
         for (at, other) in others.iter().take(PLACES_SHOWN).enumerate() {
             let separator = if at == 0 { "" } else { "; " };
-            write!(f, "{separator}line {}: {}", other.line(), one_line(other.place()))?;
+            write!(f, "{separator}{}{}", line_text(other), one_line(other.place()))?;
         }
         match others.len().saturating_sub(PLACES_SHOWN) {
             0 => write!(f, ")"),

@@ -88,7 +88,7 @@ impl Finding {
         Self { line, place, severity: disposition.severity(), disposition, message }
     }
 
-    /// Its line in the file, from 1.
+    /// Its line in the file, from 1; 0 for formats without lines.
     pub fn line(&self) -> usize {
         self.line
     }

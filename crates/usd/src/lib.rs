@@ -35,6 +35,7 @@ mod load;
 mod read;
 
 // The file.
+mod binary;
 mod prim;
 mod resolver;
 mod scan;

@@ -14,6 +14,8 @@ use crate::scan;
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     pub(crate) budget: Budget,
+    /// The number of bytes of all files.
+    pub(crate) bytes: usize,
     /// The files that were opened.
     pub(crate) files: Vec<PathBuf>,
     /// Reasons for which files were refused.
@@ -90,6 +92,7 @@ impl BoundedResolver {
         if bytes.len() > SIZE_LIMIT {
             return Err(self.refuse(format!("{path} has more than {SIZE_LIMIT} bytes")));
         }
+        self.shared.borrow_mut().bytes += bytes.len();
         let charged = self.shared.borrow_mut().budget.charge(Resource::Characters, bytes.len());
         charged.map_err(|limit| self.refuse(format!("more than {} {}", limit.limit, limit.what)))?;
         scan::check(&bytes).map_err(|reason| self.refuse(format!("{path}: {reason}")))?;

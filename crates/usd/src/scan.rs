@@ -1,7 +1,9 @@
 //! Checks of the content of a file before it is parsed.
 
+use crate::binary;
+
 /// The deepest nesting of braces, brackets and parentheses in text. Nested bodies take one each.
-const DEPTH_LIMIT: usize = 1000;
+pub(crate) const DEPTH_LIMIT: usize = 256;
 
 /// Whether the content is that of a USD file: text, binary, or an archive of a USD file.
 ///
@@ -24,9 +26,12 @@ fn is_archive_of_usd(content: &[u8]) -> bool {
     [".usd", ".usda", ".usdc"].iter().any(|end| name.to_ascii_lowercase().ends_with(end.as_bytes()))
 }
 
-/// Refuses text that is nested too deeply.
+/// Refuses text that is nested too deeply, and binary files with counts that do not fit.
 pub(crate) fn check(content: &[u8]) -> Result<(), String> {
-    if content.starts_with(b"PXR-USDC") || content.starts_with(b"PK") {
+    if content.starts_with(b"PXR-USDC") {
+        return binary::check(content);
+    }
+    if content.starts_with(b"PK") {
         return Ok(());
     }
     let mut depth = 0_usize;
@@ -73,7 +78,7 @@ mod tests {
 
     #[test]
     fn deep_nesting_is_refused() {
-        assert!(check("{".repeat(1001).as_bytes()).is_err());
-        assert!(check(format!("\"{}\"", "{".repeat(1001)).as_bytes()).is_ok());
+        assert!(check("{".repeat(257).as_bytes()).is_err());
+        assert!(check(format!("\"{}\"", "{".repeat(257)).as_bytes()).is_ok());
     }
 }

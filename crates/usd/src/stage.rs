@@ -1,10 +1,12 @@
 //! Opens a stage, and copies its prims within the limits of all readers.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::{HashMap, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::mpsc;
+use std::time::Duration;
 
 use openusd::{sdf, usd};
 use robot_dynamics_xml::{Budget, Resource, excerpt};
@@ -12,10 +14,25 @@ use robot_dynamics_xml::{Budget, Resource, excerpt};
 use crate::UsdError;
 use crate::prim::{Prim, Scene};
 use crate::resolver::{BoundedResolver, Shared};
+use crate::scan::DEPTH_LIMIT;
 use crate::value::{Property, Value};
 
 /// The stack of the thread that reads \[bytes\]: the parser recurses with the nesting of prims.
 const STACK: usize = 1 << 28;
+
+/// The largest sum of the levels of all prims of a small file, with all copies by references. The time to
+/// compose a prim grows with its level.
+const LEVEL_LIMIT: usize = 40_000;
+
+/// Larger files may have one level more for each of these bytes.
+const BYTES_OF_LEVEL: usize = 4;
+
+/// The longest time for a small file. Classes that inherit each other can take a time that doubles with each
+/// level, in one call of openusd that cannot be interrupted.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Larger files may take longer: 100 s for each MB.
+const MICROSECONDS_OF_BYTE: u64 = 100;
 
 /// The largest array of a prim without a collision shape, such as coordinates for pictures.
 const SHORT: usize = 64;
@@ -32,12 +49,21 @@ pub(crate) struct Source {
 /// Reads all prims, in a thread of its own.
 pub(crate) fn read(source: Source) -> Result<Scene, UsdError> {
     let bad = |reason: &str| UsdError::BadFile { reason: reason.to_owned() };
-    // A panic of the parser would print its message. The thread is gone afterwards.
-    let run = move || catch_unwind(AssertUnwindSafe(|| open(source)));
+    let patience = PATIENCE + Duration::from_micros(source.content.len() as u64 * MICROSECONDS_OF_BYTE);
+    let (send, receive) = mpsc::channel();
+    // A panic of the parser ends this thread only.
+    let run = move || {
+        let result = catch_unwind(AssertUnwindSafe(|| open(source)));
+        // After the time is over, nobody receives the result.
+        send.send(result).ok();
+    };
     let thread = std::thread::Builder::new().name("usd".into()).stack_size(STACK).spawn(run);
-    let thread = thread.map_err(|error| bad(&format!("no thread to read it: {error}")))?;
-    match thread.join() {
+    thread.map_err(|error| bad(&format!("no thread to read it: {error}")))?;
+    match receive.recv_timeout(patience) {
         Ok(Ok(result)) => result,
+        Err(mpsc::RecvTimeoutError::Timeout) => Err(bad(
+            "its references and inherits take too long to compose; flatten it with `usdcat --flatten`",
+        )),
         Ok(Err(_)) | Err(_) => Err(bad("the parser failed; check the file with `usdchecker`")),
     }
 }
@@ -57,7 +83,7 @@ fn open(source: Source) -> Result<Scene, UsdError> {
         UsdError::BadFile { reason: refused.unwrap_or_else(|| excerpt(&format!("{error:#}"))) }
     };
     let stage = usd::Stage::builder().resolver(resolver).open(&main).map_err(|error| bad(&error))?;
-    let mut copy = Copy { stage: &stage, scene: empty(), shared: &shared };
+    let mut copy = Copy { stage: &stage, scene: empty(), shared: &shared, levels: Cell::new(0) };
     copy.metadata().map_err(|error| bad(&error))?;
     copy.prims()?;
     let mut scene = copy.scene;
@@ -88,6 +114,8 @@ struct Copy<'s> {
     stage: &'s usd::Stage,
     scene: Scene,
     shared: &'s RefCell<Shared>,
+    /// The sum of the levels of all prims.
+    levels: Cell<usize>,
 }
 
 impl Copy<'_> {
@@ -156,6 +184,16 @@ impl Copy<'_> {
             return Ok(None);
         }
         self.charge(Resource::Elements, 1)?;
+        let limit = LEVEL_LIMIT + self.shared.borrow().bytes / BYTES_OF_LEVEL;
+        self.levels.set(self.levels.get() + path.prim_element_count());
+        if self.levels.get() > limit {
+            let what = "levels of prims with all copies, for files of this size";
+            return Err(Failure::Limit(UsdError::TooMany { what, limit }));
+        }
+        if path.prim_element_count() > DEPTH_LIMIT {
+            let what = "prims inside one another";
+            return Err(Failure::Limit(UsdError::TooMany { what, limit: DEPTH_LIMIT }));
+        }
         let mut copy = Prim {
             path: path.as_str().to_owned(),
             name: path.name().unwrap_or_default().to_owned(),

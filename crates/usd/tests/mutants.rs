@@ -1,0 +1,185 @@
+//! Changes of USD files: each file is read or refused, without a panic, in bounded time.
+//!
+//! Text is changed by its structure: lines and bodies are removed, copied and moved, and words exchanged.
+//! Binary files are changed by bytes. By default 300 files of each kind are made from fixed seeds.
+//! `MUTANTS=100000 cargo test -p robot-dynamics-usd --test mutants` makes that many.
+
+use std::time::Instant;
+
+use robot_dynamics_usd::{LoadOptions, parse_with_files};
+
+const PARTS: &str = include_str!("../../../testdata/usd/parts.usda");
+const ARM: &[u8] = include_bytes!("../../../testdata/usd/arm_xml.usdc");
+
+const WORDS: [&str; 26] = [
+    "0",
+    "-1",
+    "1e30",
+    "1e-320",
+    "nan",
+    "inf",
+    "-inf",
+    "true",
+    "None",
+    "\"\"",
+    "\"X\"",
+    "()",
+    "[]",
+    "(0, 0, 0)",
+    "(1, 0, 0, 0)",
+    "</>",
+    "</machine>",
+    "</machine/arm>",
+    "<../frame>",
+    "</machine/turn>",
+    "def",
+    "over",
+    "class",
+    "references",
+    "@./parts.usda@",
+    "@@",
+];
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        usize::try_from((z ^ (z >> 31)) % count.max(1) as u64).expect("an index")
+    }
+}
+
+fn count() -> usize {
+    std::env::var("MUTANTS").map_or(300, |count| count.parse().expect("a number"))
+}
+
+/// The line after the body that follows a line, or the next line.
+fn end_of_part(lines: &[String], start: usize) -> usize {
+    let is_open = |line: &str| line.trim_end().ends_with('{') || line.trim_end().ends_with('(');
+    let is_header =
+        lines[start].trim_start().starts_with("def ") || lines[start].trim_start().starts_with("class ");
+    if !is_header {
+        return start + 1;
+    }
+    let mut depth = 0_usize;
+    for (at, line) in lines.iter().enumerate().skip(start) {
+        if is_open(line) {
+            depth += 1;
+        } else if line.trim() == "}" || line.trim() == ")" {
+            depth = depth.saturating_sub(1);
+            if depth == 0 && line.trim() == "}" {
+                return at + 1;
+            }
+        }
+    }
+    start + 1
+}
+
+fn changed(random: &mut Random) -> String {
+    let mut lines: Vec<String> = PARTS.lines().map(str::to_owned).collect();
+    for _ in 0..=random.below(4) {
+        let start = random.below(lines.len());
+        let end = end_of_part(&lines, start);
+        let part: Vec<String> = lines[start..end].to_vec();
+        match random.below(6) {
+            0 => drop(lines.drain(start..end)),
+            1 => {
+                let at = random.below(lines.len());
+                lines.splice(at..at, part);
+            }
+            2 => {
+                lines.drain(start..end);
+                let at = random.below(lines.len() + 1);
+                lines.splice(at..at, part);
+            }
+            3 => {
+                let other = random.below(lines.len());
+                lines.swap(start, other);
+            }
+            _ => {
+                let words: Vec<&str> = lines[start].split_whitespace().collect();
+                if words.is_empty() {
+                    continue;
+                }
+                let at = random.below(words.len());
+                let own: Vec<&str> = PARTS.split_whitespace().collect();
+                let new = if random.below(2) == 0 {
+                    WORDS[random.below(WORDS.len())]
+                } else {
+                    own[random.below(own.len())]
+                };
+                let words: Vec<&str> =
+                    words.iter().enumerate().map(|(i, word)| if i == at { new } else { word }).collect();
+                lines[start] = words.join(" ");
+            }
+        }
+        if lines.is_empty() {
+            break;
+        }
+    }
+    lines.join("\n")
+}
+
+fn changed_bytes(random: &mut Random) -> Vec<u8> {
+    let mut bytes = ARM.to_vec();
+    for _ in 0..=random.below(5) {
+        let at = random.below(bytes.len());
+        match random.below(6) {
+            0 => bytes[at] ^= 1 << random.below(8),
+            1 => bytes[at] = 0xff,
+            2 => bytes[at] = 0,
+            3 => {
+                let (from, length) = (random.below(bytes.len()), 1 + random.below(16));
+                let chunk: Vec<u8> = bytes.iter().skip(from).take(length).copied().collect();
+                for (place, byte) in bytes[at..].iter_mut().zip(chunk) {
+                    *place = byte;
+                }
+            }
+            4 => bytes[at] = u8::try_from(random.below(256)).expect("a byte"),
+            _ if random.below(20) == 0 => bytes.truncate(at.max(8)),
+            _ => bytes[at] = bytes[at].wrapping_add(1),
+        }
+    }
+    bytes
+}
+
+/// Reads all files. Returns the number of those that are not refused.
+fn read_all(name: &str, mut make: impl FnMut(&mut Random) -> Vec<u8>) -> usize {
+    let first: u64 = std::env::var("SEED").map_or(0, |seed| seed.parse().expect("a number"));
+    let (mut read, mut contained) = (0, 0);
+    let mut slowest = (0.0, 0);
+    for seed in first..first + count() as u64 {
+        let content = make(&mut Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d)));
+        if let Ok(path) = std::env::var("WRITE") {
+            std::fs::write(path, &content).expect("the file");
+        }
+        let start = Instant::now();
+        let robot = parse_with_files(&content, name, [], &LoadOptions::default());
+        read += usize::from(robot.is_ok());
+        let time = start.elapsed().as_secs_f64();
+        if time > slowest.0 {
+            slowest = (time, seed);
+        }
+        // A panic of openusd is an error of the file.
+        contained += usize::from(robot.is_err_and(|error| error.to_string().contains("the parser failed")));
+    }
+    println!("{name}: {read} of {} read, {contained} panics of openusd, the slowest in {slowest:?}", count());
+    assert!(slowest.0 < 20.0, "{slowest:?}");
+    read
+}
+
+#[test]
+fn changed_text_is_read_or_refused() {
+    let read = read_all("parts.usda", |random| changed(random).into_bytes());
+    assert!(read > 0 && read < count());
+}
+
+#[test]
+fn changed_binary_is_read_or_refused() {
+    let read = read_all("arm.usdc", changed_bytes);
+    assert!(read > 0 && read < count());
+}
