@@ -32,6 +32,10 @@ pub struct JointDescription {
     /// the joint's frame in the parent.
     #[cfg_attr(feature = "serde", serde(default))]
     pub higher_terms: PolynomialStiffnessDamping,
+    /// The largest elastic stretch of its spring. Beyond it the spring yields: its rest position follows. 0
+    /// for a spring that never yields. Simulations alone take a spring that yields into account: g lacks it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spring_yield: f64,
     /// Present if it is a mimic joint.
     pub mimic: Option<Mimic>,
     /// Bounds on the total force of its actuators \[N·m or N\]; infinite without bounds. See
@@ -52,6 +56,21 @@ const fn unbounded() -> [f64; 2] {
 }
 
 impl JointDescription {
+    /// The passive forces that depend on the state alone: without a spring that yields.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{PassiveForces, pendulum};
+    /// let mut joint = pendulum(2.0, 0.5).joints.remove(0);
+    /// joint.passive = PassiveForces::default().with_spring(20.0, 0.0);
+    /// assert_eq!(joint.elastic_forces().stiffness, 20.0);
+    /// joint.spring_yield = 0.1;
+    /// assert_eq!(joint.elastic_forces().stiffness, 0.0);
+    /// ```
+    pub fn elastic_forces(&self) -> PassiveForces {
+        let stiffness = if self.spring_yield > 0.0 { 0.0 } else { self.passive.stiffness };
+        self.passive.with_spring(stiffness, self.passive.rest)
+    }
+
     /// A joint without limits or passive forces.
     pub fn new(
         name: impl Into<String>,
@@ -70,6 +89,7 @@ impl JointDescription {
             passive: PassiveForces::default(),
             spring: None,
             higher_terms: PolynomialStiffnessDamping::default(),
+            spring_yield: 0.0,
             mimic: None,
             actuator_force_range: unbounded(),
             actuator_compensates_gravity: false,

@@ -24,6 +24,10 @@ pub struct SpatialTendonDescription {
     pub passive: PassiveForces,
     /// Polynomial terms of its spring and damper.
     pub higher_terms: PolynomialStiffnessDamping,
+    /// The largest elastic stretch of its spring. Beyond it the spring yields: its dead band follows. 0 for a
+    /// spring that never yields. If the dead band begins at 0, a stretch moves its end alone.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spring_yield: f64,
     /// The length of the dead band: the spring pulls beyond `passive.rest` plus this length.
     pub dead_band: f64,
     /// Bounds on ℓ; `effort` and `velocity` are not read.
@@ -102,6 +106,7 @@ impl SpatialTendonDescription {
             path: path.into_iter().collect(),
             passive: PassiveForces::default(),
             higher_terms: PolynomialStiffnessDamping::default(),
+            spring_yield: 0.0,
             dead_band: 0.0,
             limits: Limits::default(),
             actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],

@@ -28,6 +28,10 @@ pub struct TendonDescription {
     /// Polynomial terms of its spring and damper.
     #[cfg_attr(feature = "serde", serde(default))]
     pub higher_terms: PolynomialStiffnessDamping,
+    /// The largest elastic stretch of its spring. Beyond it the spring yields: its dead band follows. 0 for a
+    /// spring that never yields. If the dead band begins at 0, a stretch moves its end alone.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spring_yield: f64,
     /// The length of the dead band: the spring pulls beyond `passive.rest` plus this length. 0 without a dead
     /// band, infinite for a spring that only pushes.
     pub dead_band: f64,
@@ -53,6 +57,7 @@ impl TendonDescription {
             offset: 0.0,
             passive: PassiveForces::default(),
             higher_terms: PolynomialStiffnessDamping::default(),
+            spring_yield: 0.0,
             dead_band: 0.0,
             limits: Limits::default(),
             softness: TendonSolverImpedance::default(),

@@ -202,6 +202,7 @@ impl Reader<'_> {
             description.limits = joint.limits;
             description.passive = joint.passive;
             description.higher_terms = joint.higher_terms;
+            description.spring_yield = joint.spring_yield;
             description.softness = joint.softness;
             description.spring = pose_spring(joint, joint.placement_stiffness, &body.parent_from_body);
             let (passive, higher) = (&mut description.passive, &mut description.higher_terms);

@@ -62,6 +62,8 @@ pub(crate) struct Joint {
     /// The stiffness of the spring of a ball or free joint.
     pub(crate) placement_stiffness: f64,
     pub(crate) higher_terms: PolynomialStiffnessDamping,
+    /// The largest elastic stretch of the spring of a hinge or slide joint; 0 if it never yields.
+    pub(crate) spring_yield: f64,
     /// Bounds on the total force of its actuators \[N·m or N\].
     pub(crate) actuator_force_range: [f64; 2],
     /// Whether the actuators provide the gravity compensation.
@@ -89,6 +91,7 @@ impl Reader<'_> {
             passive: PassiveForces::default(),
             placement_stiffness: 0.0,
             higher_terms: PolynomialStiffnessDamping::default(),
+            spring_yield: 0.0,
             actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],
             actuator_compensates_gravity: false,
             softness: JointSolverImpedance::default(),
@@ -244,8 +247,16 @@ impl Reader<'_> {
         }
         if matches!(motion, JointType::Hinge | JointType::Slide) {
             joint.passive = joint.passive.with_spring(stiffness, self.joint_angle(element, motion, rest));
+            let stretch = self.magnitude(element, "springyield").unwrap_or(0.0);
+            joint.spring_yield = self.joint_angle(element, motion, stretch);
         } else {
             joint.placement_stiffness = stiffness;
+            let yields = self.number(element, "springyield").unwrap_or(0.0);
+            if yields != 0.0 && stiffness != 0.0 {
+                let message =
+                    format!("springyield={yields}: the spring of a {} joint does not yield", motion.word());
+                self.report_ignored_physics(element, message);
+            }
         }
     }
 

@@ -39,6 +39,7 @@ pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
 struct TendonSettings {
     passive: PassiveForces,
     higher_terms: PolynomialStiffnessDamping,
+    spring_yield: f64,
     dead_band: f64,
     /// Whether the spring is at rest where the springs of the joints are.
     rests_with_joints: bool,
@@ -132,6 +133,7 @@ impl Reader<'_> {
             tendon.passive.rest = relaxed;
         }
         tendon.higher_terms = settings.higher_terms;
+        tendon.spring_yield = settings.spring_yield;
         tendon.dead_band = settings.dead_band;
         tendon.limits = settings.limits;
         if let Some([lower, upper]) = settings.actuator_force_range {
@@ -161,6 +163,7 @@ impl Reader<'_> {
             self.report_ignored_physics(element, "the armature of a spatial tendon is not in the model");
         }
         tendon.higher_terms = settings.higher_terms;
+        tendon.spring_yield = settings.spring_yield;
         tendon.dead_band = settings.dead_band;
         tendon.limits = settings.limits;
         if let Some(range) = settings.actuator_force_range {
@@ -283,6 +286,7 @@ impl Reader<'_> {
         TendonSettings {
             passive,
             higher_terms,
+            spring_yield: self.magnitude(element, "springyield").unwrap_or(0.0),
             dead_band: to - from,
             rests_with_joints: from == -1.0 && to == -1.0,
             limits,

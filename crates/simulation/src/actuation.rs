@@ -78,7 +78,9 @@ impl Actuation {
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let description = model.description();
         let joints = description.joints.iter();
-        let singles = joints.clone().filter(|joint| joint.kind.nv() == 1 && !joint.higher_terms.is_zero());
+        let singles = joints.clone().filter(|joint| {
+            joint.kind.nv() == 1 && (!joint.higher_terms.is_zero() || joint.spring_yield > 0.0)
+        });
         let tendons = (description.tendons.iter().map(|tendon| Tendon::new(model, tendon)))
             .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
             .collect();
@@ -259,6 +261,18 @@ impl Actuation {
     /// The number of tendons over joints and along paths.
     fn tendon_count(&self) -> usize {
         self.tendons.len() + self.spatial.as_ref().map_or(0, SpatialTendons::count)
+    }
+
+    /// Whether springs yield.
+    pub(crate) fn has_yielding_springs(&self) -> bool {
+        (0..self.tendon_count()).any(|tendon| self.law(tendon).yields())
+    }
+
+    /// Takes over the rest positions of the springs of the same robot.
+    pub(crate) fn copy_rest_positions(&mut self, from: &Self) {
+        for (number, law) in self.laws_mut().enumerate() {
+            law.copy_dead_band(from.law(number));
+        }
     }
 
     fn laws_mut(&mut self) -> impl Iterator<Item = &mut TendonLaw> {

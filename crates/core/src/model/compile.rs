@@ -218,7 +218,7 @@ impl<'a> Compiler<'a> {
                     body,
                     joint: self.joints.len(), // pushed below
                     end: 0,                   // set by `number_subtrees`
-                    passive: joint.passive,
+                    passive: joint.elastic_forces(),
                 });
             }
             self.bodies.push(Body {
@@ -267,7 +267,7 @@ impl<'a> Compiler<'a> {
             nv,
             mimic: joint.mimic.clone(),
             limits: joint.limits,
-            passive: joint.passive,
+            passive: joint.elastic_forces(),
         });
     }
 

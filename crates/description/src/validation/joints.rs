@@ -56,6 +56,15 @@ pub(super) fn check_joint_forces(joint: &JointDescription) -> Result<(), ModelEr
     let owner = format!("joint `{}`", joint.name);
     check_range(&owner, "actuator force range", joint.actuator_force_range)?;
     check_terms(&owner, &joint.higher_terms)?;
+    let (yields, kind) = (joint.spring_yield, joint.kind);
+    let is_single = kind.nv() == 1 || kind == JointKind::Fixed;
+    let allowed = if is_single {
+        "finite and not negative"
+    } else {
+        "zero, as the joint has several degrees of freedom"
+    };
+    let is_valid = yields >= 0.0 && yields.is_finite() && (is_single || yields == 0.0);
+    check(is_valid, &owner, "yield stretch of its spring", yields, allowed)?;
     let turns_freely = matches!(joint.kind, JointKind::Spherical | JointKind::Floating | JointKind::Fixed);
     if !joint.higher_terms.is_zero() && joint.kind.nv() != 1 && !turns_freely {
         let [k2, _] = joint.higher_terms.stiffness;

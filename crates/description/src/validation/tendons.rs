@@ -24,7 +24,7 @@ pub(super) fn check_tendons(description: &RobotDescription, names: &Names<'_>) -
             tendon.offset,
             "finite",
         )?;
-        check_law(&owner, &tendon.passive, &tendon.higher_terms, tendon.dead_band)?;
+        check_law(&owner, &tendon.passive, &tendon.higher_terms, (tendon.dead_band, tendon.spring_yield))?;
     }
     let frames: HashSet<&str> = description.frames.iter().map(|frame| frame.name.as_str()).collect();
     for tendon in &description.spatial_tendons {
@@ -64,7 +64,7 @@ fn check_spatial(
     }
     let armature = tendon.passive.armature;
     check(armature == 0.0, &owner, "armature", armature, "zero for a spatial tendon")?;
-    check_law(&owner, &tendon.passive, &tendon.higher_terms, tendon.dead_band)?;
+    check_law(&owner, &tendon.passive, &tendon.higher_terms, (tendon.dead_band, tendon.spring_yield))?;
     check_range(&owner, "range of its actuators' force", tendon.actuator_force_range)
 }
 
@@ -73,7 +73,7 @@ fn check_law(
     owner: &str,
     passive: &PassiveForces,
     higher_terms: &PolynomialStiffnessDamping,
-    dead_band: f64,
+    (dead_band, spring_yield): (f64, f64),
 ) -> Result<(), ModelError> {
     for (value, quantity) in [
         (passive.armature, "armature"),
@@ -85,5 +85,7 @@ fn check_law(
         check(value.is_finite(), owner, quantity, value, "finite")?;
     }
     check_terms(owner, higher_terms)?;
-    check(dead_band >= 0.0, owner, "dead band", dead_band, "zero or positive")
+    check(dead_band >= 0.0, owner, "dead band", dead_band, "zero or positive")?;
+    let is_valid = spring_yield >= 0.0 && spring_yield.is_finite();
+    check(is_valid, owner, "yield stretch of its spring", spring_yield, "finite and not negative")
 }

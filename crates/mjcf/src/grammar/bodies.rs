@@ -51,10 +51,10 @@ pub(super) const RULES: &[Rule] = &[
             "solreffriction",
             "solimpfriction",
             "margin",
+            "springyield",
         ],
     )
-    .ignored(&["group", "user"])
-    .physics(&[("springyield", "0")]),
+    .ignored(&["group", "user"]),
     read(BODIES, "freejoint", &["name", "align"]).ignored(&["group"]),
     read(
         BODIES_OR_DEFAULT,

@@ -90,9 +90,9 @@ const TENDON: &[&str] = &[
     "solreffriction",
     "solimpfriction",
     "margin",
+    "springyield",
 ];
 const TENDON_IGNORED: &[&str] = &["group", "width", "material", "rgba", "user"];
-const TENDON_PHYSICS: &[(&str, &str)] = &[("springyield", "0")];
 
 /// Elements outside bodies.
 pub(super) const RULES: &[Rule] = &[
@@ -251,13 +251,13 @@ pub(super) const RULES: &[Rule] = &[
         ],
     )
     .physics(&[("adhesion", "0")]),
-    read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
+    read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED),
     read(&["fixed"], "joint", &["joint", "coef"]),
-    read(&["tendon"], "spatial", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
+    read(&["tendon"], "spatial", TENDON).ignored(TENDON_IGNORED),
     read(&["spatial"], "site", &["site"]),
     read(&["spatial"], "geom", &["geom", "sidesite"]),
     read(&["spatial"], "pulley", &["divisor"]),
-    read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
+    read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED),
     read(
         &["equality"],
         "joint",

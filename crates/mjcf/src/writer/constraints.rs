@@ -95,6 +95,7 @@ impl MjcfWriter<'_> {
             }
             self.xml.start("fixed").attribute("name", &tendon.name);
             self.write_tendon_forces(&tendon.passive, &tendon.higher_terms, tendon.dead_band);
+            self.xml.unless("springyield", tendon.spring_yield, 0.0);
             self.write_range(&place, "range", [tendon.limits.lower, tendon.limits.upper]);
             self.write_tendon_softness(&tendon.softness);
             self.write_range(&place, "actuatorfrcrange", [-tendon.limits.effort, tendon.limits.effort]);

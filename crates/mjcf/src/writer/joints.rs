@@ -133,6 +133,7 @@ impl MjcfWriter<'_> {
         }
         self.write_polynomial("stiffness", stiffness + spring.stiffness, joint.higher_terms.stiffness);
         self.write_polynomial("damping", damping, joint.higher_terms.damping);
+        self.xml.unless("springyield", joint.spring_yield, 0.0);
         self.xml.unless("springref", rest, 0.0).unless("armature", armature, 0.0);
         self.xml.unless("frictionloss", friction, 0.0);
         self.write_softness("limit", &joint.softness.limit);

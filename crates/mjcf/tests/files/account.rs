@@ -63,7 +63,7 @@ fn physics_that_is_not_read_is_named_with_its_line() {
 #[test]
 fn attributes_without_effect_give_notes() {
     let text = in_file(
-        "<worldbody><body name='b'><joint name='k'/><geom size='1' surfacevel='0 0 0' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag clampctrl='enable'/></option>",
+        "<worldbody><body name='b'><joint name='k'/><geom size='1' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag clampctrl='enable'/></option>",
     );
     let robot = read(&text);
     assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 3), "{}", robot.report);

@@ -335,7 +335,7 @@ impl Actuation {
     }
 
     /// The law of a tendon by its number.
-    fn law(&self, tendon: usize) -> &TendonLaw {
+    pub(super) fn law(&self, tendon: usize) -> &TendonLaw {
         match &self.spatial {
             Some(spatial) if tendon >= self.tendons.len() => spatial.law(tendon - self.tendons.len()),
             _ => &self.tendons[tendon].law,

@@ -23,6 +23,18 @@ impl Actuation {
         }
     }
 
+    /// Lets the springs yield that are stretched too far at q, at the end of a step. Returns the energy that
+    /// they lose \[J\].
+    pub(crate) fn yield_springs(&mut self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
+        self.place_tendons(workspace, q);
+        let over_joints = self.tendons.iter_mut().map(|Tendon { length, law }| law.yield_at(length.at(q)));
+        let lost: f64 = over_joints.sum();
+        let (Some(spatial), Some(memory)) = (&mut self.spatial, &workspace.transmissions.spatial) else {
+            return lost;
+        };
+        lost + spatial.yield_springs(memory)
+    }
+
     /// Returns the power that damping and friction outside the tree, and the fluid, take from the robot
     /// \[W\]. Only a fluid that moves can make it negative: wind drives the robot.
     ///

@@ -76,6 +76,12 @@ impl SpatialTendons {
         }
     }
 
+    /// Lets the springs yield that are stretched too far at the placed configuration. Returns the energy that
+    /// they lose \[J\].
+    pub(super) fn yield_springs(&mut self, memory: &SpatialTendonMemory) -> f64 {
+        self.tendons.iter_mut().enumerate().map(|(k, (_, law))| law.yield_at(memory.length(k))).sum()
+    }
+
     /// The energy of the springs at the placed configuration \[J\].
     pub(super) fn energy(&self, memory: &SpatialTendonMemory) -> f64 {
         self.tendons.iter().enumerate().map(|(k, (_, law))| law.energy(memory.length(k))).sum()

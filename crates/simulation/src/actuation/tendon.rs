@@ -19,10 +19,13 @@ impl Tendon {
         Self { length, law: TendonLaw::of_joints(description) }
     }
 
-    /// Makes a tendon of a joint with its nonlinear terms alone: g and b contain the linear ones.
+    /// Makes a tendon of a joint with its nonlinear terms, because g and b contain the linear ones, and with
+    /// its whole spring if it yields.
     pub(super) fn of_joint(model: &Model, joint: &JointDescription) -> Self {
         let mut description = TendonDescription::new(joint.name.clone(), [(joint.name.clone(), 1.0)]);
-        description.passive = PassiveForces::default().with_spring(0.0, joint.passive.rest);
+        let stiffness = if joint.spring_yield > 0.0 { joint.passive.stiffness } else { 0.0 };
+        description.passive = PassiveForces::default().with_spring(stiffness, joint.passive.rest);
+        description.spring_yield = joint.spring_yield;
         description.higher_terms = joint.higher_terms;
         Self::new(model, &description)
     }

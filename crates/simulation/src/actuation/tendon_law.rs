@@ -10,26 +10,41 @@ pub(super) struct TendonLaw {
     pub(super) passive: PassiveForces,
     pub(super) higher_terms: PolynomialStiffnessDamping,
     dead_band: f64,
+    /// The largest elastic stretch; 0 if the spring never yields.
+    spring_yield: f64,
+    /// Whether the lower end of the dead band stays when the spring is stretched too far.
+    keeps_slack: bool,
     actuator_force_range: [f64; 2],
 }
 
 impl TendonLaw {
     pub(super) fn of_joints(tendon: &TendonDescription) -> Self {
-        let TendonDescription { passive, higher_terms, dead_band, limits, .. } = tendon;
+        let TendonDescription { passive, higher_terms, dead_band, limits, spring_yield, .. } = tendon;
         Self {
             passive: *passive,
             higher_terms: *higher_terms,
             dead_band: *dead_band,
+            spring_yield: *spring_yield,
+            keeps_slack: keeps_slack(passive, *dead_band),
             actuator_force_range: [-limits.effort, limits.effort],
         }
     }
 
     pub(super) fn of_path(tendon: &SpatialTendonDescription) -> Self {
-        let SpatialTendonDescription { passive, higher_terms, dead_band, actuator_force_range, .. } = tendon;
+        let SpatialTendonDescription {
+            passive,
+            higher_terms,
+            dead_band,
+            spring_yield,
+            actuator_force_range,
+            ..
+        } = tendon;
         Self {
             passive: *passive,
             higher_terms: *higher_terms,
             dead_band: *dead_band,
+            spring_yield: *spring_yield,
+            keeps_slack: keeps_slack(passive, *dead_band),
             actuator_force_range: *actuator_force_range,
         }
     }
@@ -50,6 +65,32 @@ impl TendonLaw {
     pub(super) fn forget_spring(&mut self) {
         self.passive.stiffness = 0.0;
         self.higher_terms.stiffness = [0.0; 2];
+    }
+
+    /// Takes over the dead band of the same tendon.
+    pub(super) fn copy_dead_band(&mut self, from: &Self) {
+        (self.passive.rest, self.dead_band) = (from.passive.rest, from.dead_band);
+    }
+
+    /// Whether the spring yields.
+    pub(super) fn yields(&self) -> bool {
+        self.spring_yield > 0.0
+    }
+
+    /// Moves the dead band so that the stretch at this length is elastic. Returns the energy that is lost
+    /// \[J\].
+    pub(super) fn yield_at(&mut self, length: f64) -> f64 {
+        if self.spring_yield <= 0.0 {
+            return 0.0;
+        }
+        let (stored, stretch) = (self.energy(length), self.stretch(length));
+        let beyond = stretch - stretch.clamp(-self.spring_yield, self.spring_yield);
+        if beyond > 0.0 && self.keeps_slack {
+            self.dead_band += beyond;
+        } else {
+            self.passive.rest += beyond;
+        }
+        stored - self.energy(length)
     }
 
     fn stretch(&self, length: f64) -> f64 {
@@ -90,4 +131,9 @@ impl TendonLaw {
             1.0
         }
     }
+}
+
+/// Whether the spring of a tendon only pulls: the dead band begins at 0.
+fn keeps_slack(passive: &PassiveForces, dead_band: f64) -> bool {
+    passive.rest == 0.0 && dead_band > 0.0
 }

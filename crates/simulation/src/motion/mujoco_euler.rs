@@ -108,6 +108,13 @@ impl MujocoEuler {
         self
     }
 
+    /// Takes over the rest positions of springs that yielded.
+    pub(crate) fn copy_rest_positions(&mut self, from: &Self) {
+        if let (Some(own), Some(from)) = (&mut self.drive, &from.drive) {
+            own.copy_rest_positions(from);
+        }
+    }
+
     /// Sets the controls for the next steps, if there are actuators.
     #[track_caller]
     pub(crate) fn set_controls(&mut self, controls: &[f64]) {

@@ -126,6 +126,11 @@ impl StepActuation {
         &self.of_step
     }
 
+    /// Takes over the rest positions of springs that yielded.
+    pub(crate) fn copy_rest_positions(&mut self, from: &Self) {
+        self.actuation.copy_rest_positions(&from.actuation);
+    }
+
     pub(crate) fn actuation(&self) -> &Actuation {
         &self.actuation
     }
@@ -185,6 +190,7 @@ pub fn record(
         if !*is_fluid_counted {
             last.damping += h * actuation.power_into_fluid(model, workspace, (middle, way), mean);
         }
+        last.friction += actuation.yield_springs(workspace, to.0);
         stored = actuation.stored_energy(workspace, to.0);
     }
     losses.add(last);

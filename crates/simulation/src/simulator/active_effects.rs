@@ -21,6 +21,8 @@ pub(super) struct Kinds {
     path_limits: bool,
     /// Actuators that pull at contacts.
     adhesion: bool,
+    /// Springs that yield.
+    yielding: bool,
     contacts: bool,
     equalities: bool,
     actuators: bool,
@@ -58,6 +60,7 @@ impl Kinds {
             limits: builder.acts(Effect::Limits) && has_limits,
             path_limits: builder.acts(Effect::Limits) && has_path_limits,
             adhesion: actuation.is_some_and(Actuation::has_adhesion),
+            yielding: actuation.is_some_and(Actuation::has_yielding_springs),
             contacts,
             equalities,
             actuators,
@@ -147,6 +150,7 @@ impl Kinds {
             (self.limits, "position limits"),
             (self.contacts, "contacts"),
             (self.equalities, "equalities"),
+            (self.yielding, "the yield of springs"),
         ];
         let found = all.into_iter().filter(|(is_there, _)| *is_there);
         left_out

@@ -174,6 +174,17 @@ impl SimulationStepper {
         }
     }
 
+    /// Takes over the rest positions of springs that yielded, from a stepper of the same method.
+    pub(super) fn copy_rest_positions(&mut self, from: Option<&Self>) {
+        let Some(from) = from else { return };
+        match (&mut self.kind, &from.kind) {
+            (StepperKind::Actuated(own), StepperKind::Actuated(from)) => own.copy_rest_positions(from),
+            (StepperKind::Implicit(own), StepperKind::Implicit(from)) => own.copy_rest_positions(from),
+            (StepperKind::Mujoco(own), StepperKind::Mujoco(from)) => own.copy_rest_positions(from),
+            _ => {}
+        }
+    }
+
     /// Whether the stepper evaluates actuators, and springs other than those of joints.
     pub(super) fn drives(&self) -> bool {
         match &self.kind {

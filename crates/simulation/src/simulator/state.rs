@@ -59,6 +59,12 @@ impl Simulation {
         &self.inputs.controls
     }
 
+    /// The stepper, if springs yield, whose rest positions are part of its state.
+    pub(super) fn with_yielded_springs(&self) -> Option<SimulationStepper> {
+        let yields = self.actuation.as_ref().is_some_and(Actuation::has_yielding_springs);
+        yields.then(|| self.stepper.clone())
+    }
+
     /// The activations of the actuators: equal to the controls, except for actuators with a filter or an
     /// integrator.
     pub fn activations(&self) -> &[f64] {

@@ -282,8 +282,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Continues from (q, v) at the current time with the current inputs and activations. The energy account
-    /// restarts, and the forces of contacts, friction and stops of earlier steps are discarded.
+    /// Continues from (q, v) at the current time with the current inputs, activations and rest positions. The
+    /// energy account restarts. The forces of contacts, friction and stops of earlier steps are discarded.
     ///
     /// # Errors
     /// As [`reset`](Self::reset).
@@ -292,7 +292,10 @@ impl Simulation {
     /// Panics if `v` has the wrong length.
     #[track_caller]
     pub fn set_state(&mut self, q: &[f64], v: &[f64]) -> Result<(), RunError> {
-        self.restart((q, v), self.run.time, 1).map_err(|failure| failure.error)
+        let before = self.with_yielded_springs();
+        self.restart((q, v), self.run.time, 1).map_err(|failure| failure.error)?;
+        self.stepper.copy_rest_positions(before.as_ref());
+        Ok(())
     }
 
     /// Restarts for a number of steps; with none, M may be singular. If (q, v) is an invalid start, the

@@ -32,3 +32,4 @@ mod spatial_tendons;
 mod tendon_stops;
 mod transmissions;
 mod tree_integrators;
+mod yielding_springs;

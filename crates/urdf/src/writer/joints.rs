@@ -36,6 +36,9 @@ impl UrdfWriter<'_> {
             if !joint.higher_terms.is_zero() {
                 self.add_loss(&place, "nonlinear terms of a spring or damper: not supported by URDF");
             }
+            if joint.spring_yield != 0.0 {
+                self.add_loss(&place, "the yield of its spring: not supported by URDF");
+            }
             if joint.spring.is_some() {
                 self.add_loss(&place, "the spring of a ball or free joint: not supported by URDF");
             }

@@ -62,6 +62,11 @@ impl ActuatedStepper {
         }
     }
 
+    /// Takes over the rest positions of springs that yielded.
+    pub(crate) fn copy_rest_positions(&mut self, from: &Self) {
+        self.actuation.copy_rest_positions(&from.actuation);
+    }
+
     /// Holds these controls over the next step, which starts with these activations.
     pub(crate) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
         self.held.controls.copy_from_slice(controls);
@@ -135,6 +140,7 @@ impl Stepper for ActuatedStepper {
     ) {
         let (kinetic, potential) = end_energies(model, workspace, transition);
         let StateTransition { from, to, forces, h } = transition;
+        let yielded = self.actuation.yield_springs(&mut self.memory, to.0);
         let stored = self.stored_energy(to.0);
         let StepWorkspace { displacement, q: middle_q, v: middle_v, force, .. } = workspace;
         // The middle of the cubic through the ends: half the displacement plus h/8 times the difference of
@@ -165,7 +171,7 @@ impl Stepper for ActuatedStepper {
             }
         }
         let work = energy_account.work() + h * input;
-        let dissipated = energy_account.dissipated() + h * lost;
+        let dissipated = energy_account.dissipated() + h * lost + yielded;
         energy_account.enter(kinetic, potential + stored, work, dissipated);
     }
 }

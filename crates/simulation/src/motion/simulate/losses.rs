@@ -6,7 +6,8 @@
 pub struct Losses {
     /// Viscous damping of joints: the impulse D∫v dt times the mean of the velocities at the step's ends.
     pub damping: f64,
-    /// Dry friction of joints: −λ times the same mean velocity.
+    /// Dry friction of joints, −λ times the same mean velocity, and the energy that springs lose as they
+    /// yield.
     pub friction: f64,
     /// Stops: the same expression with their impulses.
     pub stops: f64,
