@@ -82,6 +82,7 @@ impl<'a> Assembly<'a> {
         let mut free = self.robot.joints.iter_mut().filter(|joint| joint.kind == JointKind::Floating);
         if let (Some(joint), None) = (free.next(), free.next())
             && joint.parent == WORLD_NAME
+            && !self.names.contains(&joint.name)
             && !self.joint_names.contains(FLOATING_BASE)
         {
             FLOATING_BASE.clone_into(&mut joint.name);

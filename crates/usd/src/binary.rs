@@ -221,10 +221,9 @@ impl Check<'_> {
                 continue;
             }
             let size = match kind {
-                37 | 39 => 8,
                 35 => 32,
                 55 if self.version >= [0, 8, 0] => 24,
-                55 => 8,
+                37 | 39 | 55 => 8,
                 _ => 4,
             };
             let count = self.count(at, size, TABLE_LIMIT)?;
