@@ -38,7 +38,7 @@ DURATION, STEP, SHORT_STEP = 1.0, 0.001, 0.0002
 def motors(model, target, kind, values):
     """The armature of a joint or tendon from its actuators, by their gears; MuJoCo stores it separately."""
     kinds = [int(kind)] + [int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)] * (kind == mujoco.mjtTrn.mjTRN_JOINT)
-    own = [i for i in range(model.nu) if model.actuator_trntype[i] in kinds and model.actuator_trnid[i][0] == target]
+    own = [i for i in range(len(model.actuator_trntype)) if model.actuator_trntype[i] in kinds and model.actuator_trnid[i][0] == target]
     return sum(float(values[i] * model.actuator_gear[i][0] ** 2) for i in own)
 
 
@@ -65,17 +65,27 @@ def joints(model):
     return rows
 
 
+def controls(model):
+    """The actuator of each control, and the number of the control among those of the actuator."""
+    return [(i, k) for i in range(len(model.actuator_trntype)) for k in range(model.actuator_ctrlnum[i])]
+
+
+def per_control(model, values):
+    """The outputs of actuators, one number for each control."""
+    return np.array([values[model.actuator_outadr[i]] for i, _ in controls(model)])
+
+
 def actuators(model):
-    """MuJoCo's data of each actuator."""
+    """MuJoCo's data of each control. The first one of an actuator has its name and the range of its force."""
     return [
         {
-            "name": model.actuator(i).name,
-            "control_limited": bool(model.actuator_ctrllimited[i]),
-            "control_range": model.actuator_ctrlrange[i],
-            "force_limited": bool(model.actuator_forcelimited[i]),
+            "name": "" if k else model.actuator(i).name,
+            "control_limited": bool(model.actuator_ctrllimited[control]),
+            "control_range": model.actuator_ctrlrange[control],
+            "force_limited": bool(model.actuator_forcelimited[i]) and not k,
             "force_range": model.actuator_forcerange[i],
         }
-        for i in range(model.nu)
+        for control, (i, k) in enumerate(controls(model))
     ]
 
 
@@ -143,9 +153,9 @@ def state(model, random):
         "site_positions": data.site_xpos.copy(),
         "site_rotations": data.site_xmat.copy(),
         "tendon_lengths": data.ten_length.copy(),
-        "actuator_lengths": data.actuator_length.copy(),
-        "actuator_velocities": data.actuator_velocity.copy(),
-        "actuator_forces": data.actuator_force.copy(),
+        "actuator_lengths": per_control(model, data.actuator_length),
+        "actuator_velocities": per_control(model, data.actuator_velocity),
+        "actuator_forces": per_control(model, data.actuator_force) * [k == 0 for _, k in controls(model)],
     } | ({"actuator_torques": data.qfrc_actuator.copy()} if model.nu else {})
 
 

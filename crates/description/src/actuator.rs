@@ -27,6 +27,14 @@ pub struct ActuatorDescription {
     /// The curves of a muscle, which replace gain and bias.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub muscle: Option<Muscle>,
+    /// The torque by the poles of an electric motor, which the bounds of f do not limit.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub cogging: Option<Cogging>,
+    /// The name of an earlier actuator on the same transmission to whose f the f of this one is added. The
+    /// bounds of that actuator limit the sum, and f of this one is 0 then. This is a further input of a
+    /// controller, such as its velocity setpoint.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub adds_to: Option<String>,
     /// The dynamics from the control to u.
     pub activation: Activation,
     /// Bounds of u with dynamics, at which it stops; infinite without.
@@ -62,6 +70,8 @@ impl ActuatorDescription {
             gain: Affine::constant(1.0),
             bias: Affine::default(),
             muscle: None,
+            cogging: None,
+            adds_to: None,
             activation: Activation::None,
             activation_range: unbounded(),
             control_range: unbounded(),
@@ -91,11 +101,16 @@ impl ActuatorDescription {
     /// assert_eq!(motor.force(3.0, 0.0, 0.0), 2.0);
     /// ```
     pub fn force(&self, u: f64, length: f64, velocity: f64) -> f64 {
-        let force = self.unbounded_force(u, length, velocity);
-        force.max(self.force_range[0]).min(self.force_range[1])
+        self.bounded_force(self.unbounded_force(u, length, velocity), length)
     }
 
-    /// f without its bounds.
+    /// A force within the bounds, with the cogging torque at this length.
+    pub fn bounded_force(&self, force: f64, length: f64) -> f64 {
+        let cogging = self.cogging.map_or(0.0, |cogging| cogging.torque(length));
+        force.max(self.force_range[0]).min(self.force_range[1]) + cogging
+    }
+
+    /// f without its bounds and without cogging.
     pub fn unbounded_force(&self, u: f64, length: f64, velocity: f64) -> f64 {
         match &self.muscle {
             Some(muscle) => muscle.force(u, length, velocity),
@@ -113,8 +128,8 @@ fn is_unbounded(range: &[f64; 2]) -> bool {
     *range == unbounded()
 }
 
-/// Muscle and activation range appear only if they act, because the fingerprint of a robot is made of this
-/// text.
+/// Optional fields and the activation range appear only if they act, because the fingerprint of a robot is
+/// made of this text.
 impl fmt::Debug for ActuatorDescription {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
@@ -123,6 +138,8 @@ impl fmt::Debug for ActuatorDescription {
             gain,
             bias,
             muscle,
+            cogging,
+            adds_to,
             activation,
             activation_range,
             control_range,
@@ -133,11 +150,41 @@ impl fmt::Debug for ActuatorDescription {
         if let Some(muscle) = muscle {
             text.field("muscle", muscle);
         }
+        if let Some(cogging) = cogging {
+            text.field("cogging", cogging);
+        }
+        if let Some(leader) = adds_to {
+            text.field("adds_to", leader);
+        }
         text.field("activation", activation);
         if *activation_range != unbounded() {
             text.field("activation_range", activation_range);
         }
         text.field("control_range", control_range).field("force_range", force_range).finish()
+    }
+}
+
+/// The torque amplitude·sin(poles·ℓ + phase) of an electric motor, which depends on its position alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+pub struct Cogging {
+    /// The largest torque \[N·m\].
+    pub amplitude: f64,
+    /// Periods in a turn of the motor.
+    pub poles: f64,
+    /// The phase at ℓ = 0 \[rad\].
+    pub phase: f64,
+}
+
+impl Cogging {
+    /// The torque at this length \[N·m\].
+    ///
+    /// ```
+    /// let cogging = robot_dynamics::description::Cogging { amplitude: 0.2, poles: 6.0, phase: 0.0 };
+    /// assert!((cogging.torque(std::f64::consts::PI / 12.0) - 0.2).abs() < 1e-15);
+    /// ```
+    pub fn torque(&self, length: f64) -> f64 {
+        self.amplitude * (self.poles * length + self.phase).sin()
     }
 }
 

@@ -45,7 +45,7 @@ pub mod validation;
 mod written_file;
 
 pub use activation::Activation;
-pub use actuator::{ActuatorDescription, Affine, Transmission};
+pub use actuator::{ActuatorDescription, Affine, Cogging, Transmission};
 pub use contact_pair::ContactPairDescription;
 pub use edit::{EditNote, moved_by};
 pub use equality::{Equality, EqualityDescription};

@@ -3,6 +3,7 @@
 //! In MJCF all kinds of actuators set the same numbers. The defaults of a class set them first, whatever
 //! their kind.
 
+mod servo;
 mod settings;
 
 use std::collections::HashMap;
@@ -11,6 +12,7 @@ use robot_dynamics_description::{
     Activation, ActuatorDescription, Affine, Limits, Muscle, RobotDescription, Transmission,
 };
 
+use self::servo::{Input, Law};
 use self::settings::Settings;
 
 use crate::assembly::ElementTable;
@@ -26,16 +28,29 @@ use crate::tree::Id;
 /// The actuators of the file and those that are in the robot.
 #[derive(Default)]
 pub(crate) struct Actuators {
-    /// The number of actuators in the file.
-    pub(crate) count: usize,
-    /// The file's elements.
+    /// The file's element of each control.
     pub(crate) nodes: Vec<Id>,
-    /// The indices in the file of those that are in the robot.
+    /// The indices in the file of the controls that are in the robot.
     pub(crate) read: Vec<usize>,
     /// Servos with a damping ratio: index in the robot, and the ratio of the critical damping.
     pub(crate) damping_ratios: Vec<(usize, f64)>,
+    /// Actuators whose gain is the damping of one with a damping ratio: that one's index and their own.
+    pub(crate) velocity_inputs: Vec<(usize, usize)>,
     /// Muscles whose peak force is this number by the acceleration that a unit force causes.
     pub(crate) muscle_scales: Vec<(usize, f64)>,
+}
+
+impl Actuators {
+    /// Adds the actuators of a controller with the controls from `control`, from this index of the robot.
+    fn add(&mut self, control: usize, first: usize, law: &Law) {
+        for (k, (input, _)) in law.gains.iter().enumerate() {
+            self.read.push(control + k);
+            if law.damping_ratio.is_some() && *input == Input::Velocity {
+                self.velocity_inputs.push((first, first + k));
+            }
+        }
+        self.damping_ratios.extend(law.damping_ratio.map(|ratio| (first, ratio)));
+    }
 }
 
 /// The message for a kind of actuator that is not supported.
@@ -58,15 +73,21 @@ impl Reader<'_> {
             .in_sections("actuator")
             .filter(|&id| ACTUATORS.contains(&self.tree.nodes[id].name.as_str()))
             .collect();
-        actuators.count = all.len();
-        actuators.nodes.clone_from(&all);
         let tendons: HashMap<String, usize> =
             robot.tendon_names().enumerate().map(|(index, tendon)| (tendon.to_owned(), index)).collect();
         let joints: HashMap<String, usize> =
             robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.clone(), index)).collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
-            let Some(settings) = self.settings(&element) else { continue };
+            let Some(settings) = self.settings(&element) else {
+                actuators.nodes.push(id);
+                continue;
+            };
+            let control = actuators.nodes.len();
+            actuators.nodes.extend(core::iter::repeat_n(id, settings.control_count()));
+            if self.tree.nodes[id].name == "orientation" {
+                continue; // reported by `list_unread`
+            }
             let Some(transmission) = self.transmission(&element, table, &tendons, bodies) else { continue };
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("actuator_{index}"), str::to_owned);
@@ -78,6 +99,16 @@ impl Reader<'_> {
                 );
             }
             let mut actuator = ActuatorDescription::new(own, transmission);
+            if settings.is_controller() {
+                let Some(law) = self.controller_law(&element, &settings) else { continue };
+                self.motor(&element, &actuator.transmission, disabled, &joints, &tendons, robot);
+                let target = self.target_limits(&element, table, robot, &tendons);
+                self.ranges(&element, &settings, target, &mut actuator);
+                actuators.add(control, robot.actuators.len(), &law);
+                robot.actuators.extend(self.controller(&element, &settings, &law, &actuator));
+                self.report_read(&element, "force of controls, length and velocity");
+                continue;
+            }
             let Some(activation) = self.activation(&element, &settings) else { continue };
             actuator.activation = activation;
             self.motor(&element, &actuator.transmission, disabled, &joints, &tendons, robot);
@@ -105,7 +136,7 @@ impl Reader<'_> {
                 actuator.bias.velocity = 0.0;
             }
             self.report_read(&element, "force of control, length and velocity");
-            actuators.read.push(index);
+            actuators.read.push(control);
             robot.actuators.push(actuator);
         }
         actuators
@@ -314,8 +345,14 @@ impl Reader<'_> {
         if let Some(range) = self.limit(element, "forcelimited", "forcerange") {
             actuator.force_range = range;
         }
+        if let Some(most) = settings.saturation.filter(|_| settings.gain_kind == "dcmotor") {
+            actuator.force_range = [-most, most];
+        }
         let mut activation = self.limit(element, "actlimited", "actrange");
         let mut control = self.limit(element, "ctrllimited", "ctrlrange");
+        if settings.gain_kind == "pid" && control.is_none() {
+            control = self.numbers::<2>(element, "posrange").filter(|[lower, upper]| lower < upper);
+        }
         if settings.control_is_limited && control.is_none() {
             control = self.bounds(element, "ctrlrange");
         }

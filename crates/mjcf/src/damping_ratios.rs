@@ -129,7 +129,10 @@ impl Reader<'_> {
                 .sum();
             let moved = if admittance > 0.0 { 1.0 / admittance } else { 0.0 };
             let actuator = &mut robot.actuators[at];
-            actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * moved).max(0.0).sqrt();
+            actuator.bias.velocity = -2.0 * ratio * (-actuator.bias.length * moved).max(0.0).sqrt();
+        }
+        for &(servo, input) in &actuators.velocity_inputs {
+            robot.actuators[input].gain.constant = -robot.actuators[servo].bias.velocity;
         }
         for &(at, scale) in &actuators.muscle_scales {
             // |M⁻¹ Jᵀ|: the acceleration by a unit force.

@@ -33,7 +33,7 @@ impl Reader<'_> {
         let mut parts: HashMap<Id, Part> = HashMap::new();
         let all: Vec<Id> =
             self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
-        let size = JOINT_SIZE * table.joints.len() + actuators.count;
+        let size = JOINT_SIZE * table.joints.len() + actuators.nodes.len();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.raw_element(id);
             if !self.charge(id, Resource::Numbers, size) {
@@ -166,7 +166,7 @@ impl KeyLists {
         Self {
             q: table.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect(),
             v: vec![0.0; dofs],
-            controls: vec![0.0; actuators.count],
+            controls: vec![0.0; actuators.nodes.len()],
             has_controls: false,
         }
     }
@@ -195,9 +195,16 @@ impl Reader<'_> {
             part[0].extend((0..nq).map(|k| Some(at?.0 + k)));
             part[1].extend((0..nv).map(|k| Some(at?.1 + k)));
         }
-        let index: HashMap<Id, usize> =
-            actuators.nodes.iter().enumerate().map(|(at, &node)| (node, at)).collect();
-        part[2] = origin.actuators.iter().map(|own| index.get(own.as_ref()?).copied()).collect();
+        let mut controls: HashMap<Id, Vec<usize>> = HashMap::new();
+        for (at, &node) in actuators.nodes.iter().enumerate() {
+            controls.entry(node).or_default().push(at);
+        }
+        for own in &origin.actuators {
+            match own.as_ref().and_then(|own| controls.get(own)) {
+                Some(all) => part[2].extend(all.iter().map(|&at| Some(at))),
+                None => part[2].push(None),
+            }
+        }
         Part(part)
     }
 }

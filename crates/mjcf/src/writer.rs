@@ -4,6 +4,7 @@ mod actuators;
 mod bodies;
 mod chain;
 mod constraints;
+mod controllers;
 mod fluid;
 mod joints;
 mod poses;

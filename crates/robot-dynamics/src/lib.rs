@@ -73,8 +73,8 @@ pub use writer::{Format, write};
 /// reader.
 pub mod description {
     pub use robot_dynamics_description::{
-        Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
-        Disposition, EARTH_GRAVITY, EditNote, Elevation, EndEffectorDescription, Equality,
+        Activation, ActuatorDescription, Affine, Base, Cogging, ContactPairDescription, Coordinate,
+        CoordinateKind, Disposition, EARTH_GRAVITY, EditNote, Elevation, EndEffectorDescription, Equality,
         EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FluidEllipsoid, FluidForm, FluidShape,
         FrameDescription, GroupDescription, InertiaError, JointDescription, JointKind, JointKinds,
         JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,

@@ -59,6 +59,8 @@ pub struct Actuation {
     spatial: Option<SpatialTendons>,
     springs: Vec<PoseSpring>,
     actuators: Vec<(ActuatorDescription, Drive)>,
+    /// The actuator to whose force the force of each is added.
+    leaders: Vec<Option<usize>>,
     weight: Option<CarriedWeight>,
     /// The forces of the fluid, unless they are empty.
     fluid: Option<FluidForces>,
@@ -85,6 +87,8 @@ impl Actuation {
             .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
             .collect();
         let springs = joints.filter_map(|joint| PoseSpring::new(model, joint)).collect();
+        let index = |name: &String| description.actuators.iter().position(|own| own.name == *name);
+        let leaders = description.actuators.iter().map(|own| own.adds_to.as_ref().and_then(index)).collect();
         let actuators = description
             .actuators
             .iter()
@@ -107,6 +111,7 @@ impl Actuation {
             spatial: SpatialTendons::new(model),
             springs,
             actuators,
+            leaders,
             weight: CarriedWeight::new(model)?,
             fluid: Some(FluidForces::new(model)).filter(|fluid| !fluid.is_empty()),
             bounded,
@@ -128,7 +133,7 @@ impl Actuation {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn without_actuators(self) -> Self {
-        Self { actuators: Vec::new(), bounded: Vec::new(), ..self }
+        Self { actuators: Vec::new(), leaders: Vec::new(), bounded: Vec::new(), ..self }
     }
 
     /// Removes the dry friction of tendons, for laws that treat it as a constraint, such as

@@ -92,8 +92,10 @@ impl Renaming<'_> {
         for equality in equalities {
             self.equality(equality);
         }
-        for ActuatorDescription { name, transmission, .. } in actuators {
-            self.object(name);
+        for ActuatorDescription { name, transmission, adds_to, .. } in actuators {
+            for name in adds_to.iter_mut().chain([name]) {
+                self.object(name);
+            }
             match transmission {
                 Transmission::Joint { joint, gear: _ }
                 | Transmission::JointInParent { joint, gear: _, moment_in_child: _ } => self.object(joint),

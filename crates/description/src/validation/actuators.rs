@@ -2,20 +2,30 @@
 
 use super::checks::{check, check_range, index_names, unknown};
 use super::names::Names;
-use crate::{Activation, ActuatorDescription, JointKind, ModelError, Muscle, RobotDescription, Transmission};
+use crate::{
+    Activation, ActuatorDescription, Cogging, JointKind, ModelError, Muscle, RobotDescription, Transmission,
+};
 
+const NOT_A_LEADER: &str =
+    "`adds_to` must name an earlier actuator with the same transmission, which adds to no other";
 const NOT_A_BALL: &str = "a force along the axes of the joint's frame needs a spherical or floating joint; \
                           use the transmission `Joint` for this one";
 
 pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("actuator", description.actuators.iter().map(|actuator| actuator.name.as_str()))?;
-    for actuator in &description.actuators {
+    for (index, actuator) in description.actuators.iter().enumerate() {
+        check_leader(&description.actuators[..index], actuator)?;
         let owner = format!("actuator `{}`", actuator.name);
         let gear = check_transmission(description, names, actuator)?;
         let laws = [actuator.gain, actuator.bias];
         let numbers = laws.iter().flat_map(|law| [law.constant, law.length, law.velocity]);
         for number in gear.iter().copied().chain(numbers) {
             check(number.is_finite(), &owner, "gear, gain or bias", number, "finite")?;
+        }
+        if let Some(Cogging { amplitude, poles, phase }) = actuator.cogging {
+            for number in [amplitude, poles, phase] {
+                check(number.is_finite(), &owner, "cogging", number, "finite")?;
+            }
         }
         check_activation(&owner, &actuator.activation)?;
         if let Some(muscle) = &actuator.muscle {
@@ -26,6 +36,18 @@ pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>)
         check_range(&owner, "force range", actuator.force_range)?;
     }
     Ok(())
+}
+
+/// Checks the actuator that an actuator adds to, among those before it.
+fn check_leader(earlier: &[ActuatorDescription], actuator: &ActuatorDescription) -> Result<(), ModelError> {
+    let Some(name) = &actuator.adds_to else { return Ok(()) };
+    let leader = earlier.iter().find(|own| own.name == *name);
+    let is_valid =
+        leader.is_some_and(|leader| leader.adds_to.is_none() && leader.transmission == actuator.transmission);
+    if is_valid {
+        return Ok(());
+    }
+    Err(ModelError::Transmission { actuator: actuator.name.clone(), problem: NOT_A_LEADER })
 }
 
 /// Checks the names and returns the gear.

@@ -21,6 +21,10 @@ pub(super) struct Settings {
     pub(super) inherit_range: f64,
     /// Set for a damper and for adhesion, whose control is not negative.
     pub(super) control_is_limited: bool,
+    /// The words of `input`.
+    pub(super) inputs: Option<String>,
+    /// The bound of a motor's torque that `saturation` gives.
+    pub(super) saturation: Option<f64>,
 }
 
 impl Default for Settings {
@@ -36,6 +40,8 @@ impl Default for Settings {
             dynamics_numbers: first,
             inherit_range: 0.0,
             control_is_limited: false,
+            inputs: None,
+            saturation: None,
         }
     }
 }
@@ -57,6 +63,10 @@ impl Reader<'_> {
 
     /// Sets the numbers of one element; `false` for a kind that is not supported.
     fn set(&mut self, one: &Element, kind: &str, settings: &mut Settings) -> bool {
+        settings.begin(kind);
+        if let Some(words) = self.text(one, "input") {
+            settings.inputs = Some(words.split_whitespace().collect::<Vec<_>>().join(" "));
+        }
         match kind {
             "general" | "actuator" => {
                 for (attribute, text) in [
@@ -123,6 +133,9 @@ impl Reader<'_> {
                 }
                 settings.kinds("fixed", "affine", "filter");
             }
+            "pid" => self.set_pid(one, settings),
+            "dcmotor" => self.set_motor(one, settings),
+            "orientation" => settings.kinds("so3", "so3", "none"),
             "adhesion" => {
                 settings.gain[0] = self.number(one, "gain").unwrap_or(settings.gain[0]);
                 settings.control_is_limited = true;
@@ -132,6 +145,65 @@ impl Reader<'_> {
             _ => return false,
         }
         true
+    }
+
+    /// The numbers of `<pid>`.
+    fn set_pid(&mut self, one: &Element, settings: &mut Settings) {
+        settings.bias[1] = -self.number(one, "kp").unwrap_or(-settings.bias[1]);
+        if let Some(damping) = self.magnitude(one, "kv") {
+            settings.bias[2] = -damping;
+        }
+        if let Some(ratio) = self.magnitude(one, "dampratio") {
+            settings.bias[2] = ratio;
+        }
+        settings.gain[0] = self.number(one, "ki").unwrap_or(settings.gain[0]);
+        let slew = self.magnitude(one, "slewmax").unwrap_or(settings.dynamics_numbers[1]);
+        settings.dynamics_numbers[1] = slew;
+        settings.inherit_range = self.number(one, "inheritrange").unwrap_or(settings.inherit_range);
+        let has_state = settings.gain[0] != 0.0 || settings.dynamics_numbers[1] != 0.0;
+        settings.kinds("pid", "affine", if has_state { "pid" } else { "none" });
+    }
+
+    /// The numbers of `<dcmotor>`, in the order of MuJoCo: the gain has R, K, two temperatures, and the gains
+    /// and the voltage of the controller.
+    fn set_motor(&mut self, one: &Element, settings: &mut Settings) {
+        let Settings { gain, bias, dynamics_numbers: dynamics, .. } = settings;
+        let [torque_constant, back_emf] = self.overlay(one, "motorconst", [gain[1], 0.0]);
+        let mut resistance = self.number(one, "resistance").unwrap_or(gain[0]);
+        let [voltage, stall, speed] = self.overlay(one, "nominal", [0.0; 3]);
+        let back_emf = if voltage > 0.0 && back_emf <= 0.0 && speed > 0.0 {
+            let [viscous, ..] = self.overlay(one, "damping", [0.0; 3]);
+            back_emf_at_no_load([voltage, stall, speed], viscous, resistance)
+        } else {
+            back_emf
+        };
+        let constant = match (torque_constant > 0.0, back_emf > 0.0) {
+            (true, true) => (torque_constant * back_emf).sqrt(),
+            (true, false) => torque_constant,
+            _ => back_emf,
+        };
+        if resistance == 0.0 && voltage > 0.0 && stall > 0.0 {
+            resistance = constant * voltage / stall;
+        }
+        (gain[0], gain[1]) = (resistance, constant);
+        let controller = [gain[4], gain[5], gain[6], dynamics[7], dynamics[8], gain[7]];
+        let controller = self.overlay(one, "controller", controller);
+        [gain[4], gain[5], gain[6], dynamics[7], dynamics[8], gain[7]] = controller;
+        let cogging = self.overlay(one, "cogging", [bias[0], bias[1], bias[2]]);
+        bias[..3].copy_from_slice(&cogging);
+        let [inductance, time] = self.overlay(one, "inductance", [0.0, dynamics[0]]);
+        dynamics[0] = if inductance > 0.0 { inductance / resistance } else { time };
+        let thermal = self.overlay(one, "thermal", [dynamics[2], 0.0, 0.0, 0.0, 0.0, 0.0]);
+        dynamics[2] = thermal[..3].iter().copied().fold(0.0, f64::max);
+        let [bristles, ..] = self.overlay(one, "lugre", [dynamics[5], 0.0, 0.0, 0.0, 0.0]);
+        dynamics[5] = bristles;
+        if let Some([torque, current, _]) =
+            self.text(one, "saturation").is_some().then(|| self.overlay(one, "saturation", [0.0; 3]))
+        {
+            let most = if torque > 0.0 { torque } else { constant * current };
+            settings.saturation = Some(if most > 0.0 { most } else { f64::INFINITY });
+        }
+        settings.kinds("dcmotor", "dcmotor", "dcmotor");
     }
 
     /// The numbers of `<muscle>`. Numbers of the class that are still those of other actuators get a muscle's
@@ -183,9 +255,43 @@ impl Reader<'_> {
 }
 
 impl Settings {
+    /// Resets the numbers that this kind of actuator does not inherit from another kind. The numbers of a
+    /// controller have other meanings than those of other actuators.
+    fn begin(&mut self, kind: &str) {
+        let own = match kind {
+            "pid" | "dcmotor" => kind,
+            "orientation" => "so3",
+            _ => "",
+        };
+        let is_other = !own.is_empty() || matches!(self.gain_kind.as_str(), "pid" | "dcmotor" | "so3");
+        if matches!(kind, "general" | "actuator") || self.gain_kind == own || !is_other {
+            return;
+        }
+        *self = Self { inherit_range: self.inherit_range, ..Self::default() };
+        if !own.is_empty() {
+            (self.gain, self.bias, self.dynamics_numbers) = Default::default();
+            self.bias[1] = if own == "pid" { -1.0 } else { 0.0 };
+        }
+    }
+
     fn kinds(&mut self, gain: &str, bias: &str, dynamics: &str) {
         gain.clone_into(&mut self.gain_kind);
         bias.clone_into(&mut self.bias_kind);
         dynamics.clone_into(&mut self.dynamics);
     }
+}
+
+/// K = V/ω₀ of a motor without friction. With viscous friction B it is the larger root of
+/// K² ω₀ − K V + R B ω₀ = 0, or with R = K V/τ₀ the root that is not zero.
+fn back_emf_at_no_load([voltage, stall, speed]: [f64; 3], viscous: f64, resistance: f64) -> f64 {
+    let free = voltage / speed;
+    if viscous <= 0.0 {
+        return free;
+    }
+    if resistance > 0.0 {
+        let square = voltage * voltage - 4.0 * resistance * viscous * speed * speed;
+        return if square > 0.0 { (voltage + square.sqrt()) / (2.0 * speed) } else { free };
+    }
+    let loaded = free - voltage * viscous / stall;
+    if stall > 0.0 && loaded > 0.0 { loaded } else { free }
 }

@@ -35,6 +35,22 @@ const ACTUATOR: &[&str] = &[
     "cranksite",
     "slidersite",
     "cranklength",
+    "input",
+    "velrange",
+    "ffrange",
+    "posrange",
+    "ki",
+    "imax",
+    "slewmax",
+    "motorconst",
+    "resistance",
+    "nominal",
+    "saturation",
+    "inductance",
+    "cogging",
+    "controller",
+    "thermal",
+    "lugre",
     "area",
     "gain",
     "diameter",
@@ -54,10 +70,8 @@ const ACTUATOR: &[&str] = &[
     "fpmax",
     "fvmax",
 ];
-/// `input` names the control, and `actdim` the number of activations, which follow from the kind of the
-/// actuator; `velrange` and `ffrange` are those of a kind that is not supported.
-const ACTUATOR_IGNORED: &[&str] =
-    &["group", "user", "nsample", "interp", "input", "actdim", "velrange", "ffrange"];
+/// `actdim` is the number of activations, which follows from the kind of the actuator.
+const ACTUATOR_IGNORED: &[&str] = &["group", "user", "nsample", "interp", "actdim"];
 const ACTUATOR_PHYSICS: &[(&str, &str)] = &[("delay", "0")];
 
 /// An actuator of a supported kind.
@@ -294,8 +308,8 @@ pub(super) const RULES: &[Rule] = &[
     actuator("cylinder"),
     actuator("muscle"),
     actuator("adhesion"),
-    unsupported_actuator("dcmotor"),
-    unsupported_actuator("pid"),
+    actuator("dcmotor"),
+    actuator("pid"),
     unsupported_actuator("orientation"),
     unsupported_actuator("plugin"),
     read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"])

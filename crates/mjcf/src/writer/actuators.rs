@@ -4,6 +4,7 @@ use robot_dynamics_description::{Activation, ActuatorDescription, Affine, JointK
 use robot_dynamics_xml::excerpt;
 
 use super::MjcfWriter;
+use super::controllers::Controller;
 
 impl MjcfWriter<'_> {
     pub(super) fn write_actuators(&mut self) {
@@ -11,15 +12,27 @@ impl MjcfWriter<'_> {
         if robot.actuators.is_empty() {
             return;
         }
+        let has_several_inputs = robot.actuators.iter().any(|own| own.adds_to.is_some());
         self.xml.start("actuator");
         for (index, actuator) in robot.actuators.iter().enumerate() {
+            if actuator.adds_to.is_some() {
+                continue; // written with the actuator that it adds to
+            }
             let place = format!("actuator {:?}", excerpt(&actuator.name));
-            if let Some(reason) = self.reason_against(actuator) {
+            let others = has_several_inputs.then(|| robot.actuators.iter().enumerate().skip(index));
+            let adds = |own: &ActuatorDescription| own.adds_to.as_ref() == Some(&actuator.name);
+            let inputs: Vec<_> = others.into_iter().flatten().filter(|(_, own)| adds(own)).collect();
+            let controller = Controller::new(actuator, inputs.iter().map(|(_, input)| *input));
+            if let Some(reason) = self.reason_against(actuator).or(controller.as_ref().err().copied()) {
                 self.add_loss(&place, format!("omitted: {reason}"));
                 continue;
             }
-            self.write_actuator(&place, actuator);
+            match controller {
+                Ok(Some(controller)) => self.write_controller(&place, actuator, &controller),
+                _ => self.write_actuator(&place, actuator),
+            }
             self.written_actuators.push(index);
+            self.written_actuators.extend(inputs.iter().map(|(index, _)| index));
         }
         self.xml.end();
     }
@@ -62,8 +75,49 @@ impl MjcfWriter<'_> {
         }
     }
 
+    fn write_controller(&mut self, place: &str, actuator: &ActuatorDescription, controller: &Controller) {
+        let Controller { element, inputs, ranges, numbers } = controller;
+        self.xml.start(element).attribute("name", &actuator.name);
+        self.write_target(actuator);
+        self.xml.attribute("input", inputs);
+        for (name, range) in ranges {
+            self.write_range(place, name, *range);
+        }
+        for (name, numbers) in numbers {
+            self.xml.numbers(name, numbers);
+        }
+        self.xml.end();
+    }
+
     fn write_actuator(&mut self, place: &str, actuator: &ActuatorDescription) {
         self.xml.start("general").attribute("name", &actuator.name);
+        self.write_target(actuator);
+        self.write_range(place, "ctrlrange", actuator.control_range);
+        self.write_range(place, "forcerange", actuator.force_range);
+        match actuator.activation {
+            Activation::None => {}
+            Activation::Integrator => {
+                self.xml.attribute("dyntype", "integrator");
+            }
+            Activation::Filter { time_constant } => {
+                self.xml.attribute("dyntype", "filterexact").numbers("dynprm", &[time_constant]);
+            }
+            Activation::Muscle { rise, fall, width } => {
+                self.xml.attribute("dyntype", "muscle").numbers("dynprm", &[rise, fall, width]);
+            }
+        }
+        self.write_range(place, "actrange", actuator.activation_range);
+        if let Some(muscle) = &actuator.muscle {
+            self.write_muscle(muscle);
+        } else {
+            self.write_law("gain", &actuator.gain);
+            self.write_law("bias", &actuator.bias);
+        }
+        self.xml.end();
+    }
+
+    /// Writes the transmission.
+    fn write_target(&mut self, actuator: &ActuatorDescription) {
         match &actuator.transmission {
             Transmission::Joint { joint, gear } => {
                 self.xml.attribute("joint", joint);
@@ -95,28 +149,6 @@ impl MjcfWriter<'_> {
                 self.xml.numbers("cranklength", &[*rod_length]).unless("gear", *gear, 1.0);
             }
         }
-        self.write_range(place, "ctrlrange", actuator.control_range);
-        self.write_range(place, "forcerange", actuator.force_range);
-        match actuator.activation {
-            Activation::None => {}
-            Activation::Integrator => {
-                self.xml.attribute("dyntype", "integrator");
-            }
-            Activation::Filter { time_constant } => {
-                self.xml.attribute("dyntype", "filterexact").numbers("dynprm", &[time_constant]);
-            }
-            Activation::Muscle { rise, fall, width } => {
-                self.xml.attribute("dyntype", "muscle").numbers("dynprm", &[rise, fall, width]);
-            }
-        }
-        self.write_range(place, "actrange", actuator.activation_range);
-        if let Some(muscle) = &actuator.muscle {
-            self.write_muscle(muscle);
-        } else {
-            self.write_law("gain", &actuator.gain);
-            self.write_law("bias", &actuator.bias);
-        }
-        self.xml.end();
     }
 
     fn write_site(&mut self, attribute: &str, frame: &str) {

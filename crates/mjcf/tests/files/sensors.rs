@@ -138,7 +138,7 @@ fn a_resting_body_shows_its_weight() {
 pub(crate) const UNANSWERED: &str =
     "<mujoco><worldbody><body name='b'><joint name='j' type='ball'/><geom name='g' size='0.1'/>
         <site name='s'/></body></worldbody>
-      <actuator><motor name='m' body='b'/></actuator>
+      <actuator><general name='m' joint='j' dyntype='user'/></actuator>
       <sensor>
       <rangefinder site='s'/>
       <actuatorpos actuator='m'/>

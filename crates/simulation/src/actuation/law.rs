@@ -297,6 +297,12 @@ impl Actuation {
                 u - period * ((u - length) / period).round()
             });
             workspace.forces[k] = actuator.unbounded_force(u, length, rate);
+            workspace.cogging[k] = actuator.cogging.map_or(0.0, |cogging| cogging.torque(length));
+            if let Some(leader) = self.leaders[k] {
+                workspace.forces[leader] += core::mem::take(&mut workspace.forces[k]);
+            }
+        }
+        for (k, (_, drive)) in self.actuators.iter().enumerate() {
             if let Some(tendon) = self.driven_tendon(drive) {
                 workspace.on_tendons[tendon] += workspace.forces[k];
             }
@@ -305,7 +311,7 @@ impl Actuation {
             if let Some(tendon) = self.driven_tendon(drive) {
                 workspace.forces[k] *= self.law(tendon).scale_of(workspace.on_tendons[tendon]);
             }
-            workspace.forces[k] = within(workspace.forces[k], actuator.force_range);
+            workspace.forces[k] = within(workspace.forces[k], actuator.force_range) + workspace.cogging[k];
         }
     }
 

@@ -15,6 +15,7 @@ pub struct ActuationWorkspace {
     pub(super) weight: Vec<f64>,
     /// The force of each actuator, and the total force of the actuators on each tendon.
     pub(super) forces: Vec<f64>,
+    pub(super) cogging: Vec<f64>,
     pub(super) on_tendons: Vec<f64>,
     /// Allocated if there is a fluid.
     pub(super) fluid: Option<FluidWorkspace>,
@@ -35,6 +36,7 @@ impl ActuationWorkspace {
             carried: carried.map(Workspace::new),
             weight: vec![0.0; nv],
             forces: vec![0.0; actuators],
+            cogging: vec![0.0; actuators],
             on_tendons: vec![0.0; tendons],
             fluid: None,
         }
