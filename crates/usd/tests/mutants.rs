@@ -1,4 +1,5 @@
-//! Changes of USD files: each file is read or refused, without a panic, in bounded time.
+//! Changes of USD files: each file is read or refused, without a panic, in bounded time, and every robot that
+//! is read compiles.
 //!
 //! Text is changed by its structure: lines and bodies are removed, copied and moved, and words exchanged.
 //! Binary files are changed by bytes. By default 300 files of each kind are made from fixed seeds.
@@ -6,6 +7,7 @@
 
 use std::time::Instant;
 
+use robot_dynamics_core::model::Model;
 use robot_dynamics_usd::{LoadOptions, parse_with_files};
 
 const PARTS: &str = include_str!("../../../testdata/usd/parts.usda");
@@ -160,6 +162,10 @@ fn read_all(name: &str, mut make: impl FnMut(&mut Random) -> Vec<u8>) -> usize {
         let start = Instant::now();
         let robot = parse_with_files(&content, name, [], &LoadOptions::default());
         read += usize::from(robot.is_ok());
+        if let Ok(robot) = &robot {
+            let compiled = Model::new(robot.description.clone());
+            assert!(compiled.is_ok(), "{name}, seed {seed}: {:?}", compiled.err());
+        }
         let time = start.elapsed().as_secs_f64();
         if time > slowest.0 {
             slowest = (time, seed);
