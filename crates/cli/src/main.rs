@@ -34,7 +34,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Robot dynamics M(q) a + C(q,v) v + g(q) + b = τ for any robot described in URDF, MJCF or SDF.
+/// Robot dynamics M(q) a + C(q,v) v + g(q) + b = τ for any robot described in URDF, MJCF, SDF or USD.
 #[derive(Parser)]
 #[command(name = "dynamics", version, arg_required_else_help = true)]
 struct Arguments {
