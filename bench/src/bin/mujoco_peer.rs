@@ -47,6 +47,10 @@ fn read(file: &str) -> Result<RobotDescription, Failure> {
         tendon.passive.friction = 0.0;
         tendon.passive.armature = 0.0;
     }
+    for tendon in &mut robot.spatial_tendons {
+        tendon.passive.friction = 0.0;
+    }
+    robot.sensors.clear();
     Ok(robot)
 }
 
@@ -95,6 +99,7 @@ fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
     // All gravity compensation, by actuators or not.
     let mut carried = robot.clone();
     carried.tendons.clear();
+    carried.spatial_tendons.clear();
     carried.actuators.clear();
     carried.medium = Medium::default();
     for joint in &mut carried.joints {
