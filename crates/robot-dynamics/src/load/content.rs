@@ -26,6 +26,15 @@ impl Content {
         Self::of(&robot_dynamics_xml::read_bytes(path)?)
     }
 
+    /// The text, unless it is USD.
+    pub(crate) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            #[cfg(feature = "usd")]
+            Self::Usd(_) => None,
+        }
+    }
+
     /// The number of bytes.
     pub(crate) fn len(&self) -> usize {
         match self {

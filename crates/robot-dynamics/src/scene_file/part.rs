@@ -110,9 +110,8 @@ impl Reader<'_, '_> {
         source: &Source<'_>,
         options: &LoadOptions,
     ) -> Result<ReadFile, Vec<String>> {
-        let text = match content {
-            Content::Text(text) if is_scene(text) => text,
-            _ => return (self.shared.read_robot)(content, source, options),
+        let Some(text) = content.text().filter(|text| is_scene(text)) else {
+            return (self.shared.read_robot)(content, source, options);
         };
         if options.floating_base {
             return Err(vec!["a scene has no floating base".to_owned()]);
