@@ -22,6 +22,7 @@ pub(super) struct Kinds {
     /// Actuators that pull at contacts.
     adhesion: bool,
     /// Springs that yield.
+    #[cfg(feature = "adaptive")]
     yielding: bool,
     contacts: bool,
     equalities: bool,
@@ -60,6 +61,7 @@ impl Kinds {
             limits: builder.acts(Effect::Limits) && has_limits,
             path_limits: builder.acts(Effect::Limits) && has_path_limits,
             adhesion: actuation.is_some_and(Actuation::has_adhesion),
+            #[cfg(feature = "adaptive")]
             yielding: actuation.is_some_and(Actuation::has_yielding_springs),
             contacts,
             equalities,
