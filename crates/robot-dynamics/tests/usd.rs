@@ -210,9 +210,10 @@ fn frames_of_both_sides_place_the_child() {
 #[test]
 fn generic_joints_are_joints_in_series() {
     let locked = |axes: &[&str]| -> String {
-        axes.iter()
-            .map(|axis| format!("float limit:{axis}:physics:low = 1\nfloat limit:{axis}:physics:high = -1\n"))
-            .collect()
+        let lock = |axis: &&str| {
+            format!("float limit:{axis}:physics:low = 1\nfloat limit:{axis}:physics:high = -1\n")
+        };
+        axes.iter().map(lock).collect::<Vec<_>>().concat()
     };
     let kinds = |rest: &str| -> Vec<String> {
         let parts = [body("a", [0.0; 3], ""), joint("", "j", ["", "/a"], rest)];
