@@ -161,6 +161,17 @@ def test_sdf_models_are_read(tmp_path: Path) -> None:
         rd.loads((folder / "arm.sdf").read_text())
 
 
+def test_usd_files_are_the_robots_they_were_made_from() -> None:
+    """A converter wrote the binary file with single precision."""
+    made = rd.load(ROBOTS.parent / "testdata" / "usd" / "two_r_urdf.usdc")
+    own = rd.example("two_r")
+    q = [0.3, -0.7]
+    assert made.nv == own.nv
+    assert_allclose(made.mass_matrix(q), own.mass_matrix(q), rtol=1e-5)
+    with pytest.raises(rd.LoadError, match="USD"):
+        rd.loads("#usda 1.0\n(")
+
+
 def test_joints_without_inertia_are_named() -> None:
     text = (ROBOTS / "two_r.urdf").read_text()
     description = rd.loads(text).describe()

@@ -79,6 +79,6 @@ mod tests {
         robot.joints[0].spring = Some(PoseSpring { stiffness: 40.0, rest: Pose::IDENTITY });
         robot.joints[0].higher_terms.damping = [0.5, 0.25];
         robot.tendons.push(TendonDescription::new("cord", [("joint".to_owned(), 1.0)]));
-        assert_eq!(fingerprint(&robot), 0xd99e_4d63_f342_6783);
+        assert_eq!(fingerprint(&robot), 0xf395_6dc0_198d_2d5f);
     }
 }

@@ -164,7 +164,7 @@ fn every_public_error_type_has_a_kind() {
     });
     // `Error` converts from every `Classified`, so it cannot be one. `LabError` is a message for a page. The
     // errors of a file's lines are parts of a `RefusedFile`, which has a kind.
-    let parts = ["Error", "LabError", "MjcfError", "SceneFault", "UrdfError", "XmlError"];
+    let parts = ["Error", "LabError", "MjcfError", "SceneFault", "UrdfError", "UsdError", "XmlError"];
     let without: Vec<&str> = declared
         .filter(|name| !parts.contains(name) && !all.contains(&format!("Classified for {name} {{")))
         .collect();

@@ -65,17 +65,15 @@ impl PolynomialCoupling {
     ///
     /// ```
     /// use robot_dynamics::constraints::{ConstraintSet, PolynomialCoupling};
-    /// use robot_dynamics::description::{TendonDescription, double_pendulum};
+    /// use robot_dynamics::description::{TendonDescription, pendulum};
     /// use robot_dynamics::model::{Model, Workspace};
-    /// let mut robot = double_pendulum([1.0, 1.0], [1.0, 1.0]);
-    /// let joints: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
-    /// let belt = [(joints[0].clone(), 0.5), (joints[1].clone(), 0.5)];
-    /// robot.tendons.push(TendonDescription::new("belt", belt));
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.tendons.push(TendonDescription::new("belt", [("hinge".to_owned(), 0.5)]));
     /// let model = Model::new(robot)?;
     /// let held = PolynomialCoupling::of_tendons(&model, ("belt", 0.0), None, [0.2, 0.0, 0.0, 0.0, 0.0])?;
     /// let set = ConstraintSet::new(&model, [("held", held.into())])?;
-    /// let rows = set.rows(&model, &mut Workspace::new(&model), &[0.1, 0.3], &[0.0; 2]);
-    /// assert!(rows.position_error[0].abs() < 1e-15);
+    /// let rows = set.rows(&model, &mut Workspace::new(&model), &[0.4], &[0.0]);
+    /// assert_eq!((rows.matrix[(0, 0)], rows.position_error[0]), (0.5, 0.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
