@@ -27,6 +27,7 @@ impl Content {
     }
 
     /// The text, unless it is USD.
+    #[cfg_attr(not(feature = "usd"), allow(clippy::unnecessary_wraps))]
     pub(crate) fn text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
