@@ -9,6 +9,7 @@
 //! | --- | --- |
 //! | `site` | a frame on a body, its place and its motion |
 //! | `direction` | the motions that a row between two sites prevents: A, φ and Ȧv of each |
+//! | `polynomial` | the relation y = p(x) of two positions |
 //! | `position` | a position that a polynomial couples: of joints, or the length of a tendon |
 //! | `relation` | an equality with its rows, of sites or of positions |
 //! | `rows` | all rows of a robot |
@@ -16,6 +17,7 @@
 
 pub(crate) mod direction;
 pub(crate) mod error;
+pub(crate) mod polynomial;
 pub(crate) mod position;
 pub(crate) mod relation;
 pub(crate) mod rows;

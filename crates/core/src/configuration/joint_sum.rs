@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use robot_dynamics_description::TendonDescription;
+
 use crate::Model;
 
 /// ℓ = offset + Σ cᵢ q\[i\] over joints with one DoF.
@@ -37,6 +39,18 @@ impl JointSum {
             }
         }
         sum
+    }
+
+    /// The length of a tendon over joints.
+    pub fn of_tendon(model: &Model, tendon: &TendonDescription) -> Self {
+        let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+        Self::new(model, tendon.offset, terms)
+    }
+
+    /// ℓ − a constant.
+    #[must_use]
+    pub fn minus(self, constant: f64) -> Self {
+        Self { offset: self.offset - constant, ..self }
     }
 
     /// ℓ(q).

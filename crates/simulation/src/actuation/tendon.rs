@@ -14,9 +14,7 @@ pub(super) struct Tendon {
 
 impl Tendon {
     pub(super) fn new(model: &Model, description: &TendonDescription) -> Self {
-        let terms = description.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-        let length = JointSum::new(model, description.offset, terms);
-        Self { length, law: TendonLaw::of_joints(description) }
+        Self { length: JointSum::of_tendon(model, description), law: TendonLaw::of_joints(description) }
     }
 
     /// Makes a tendon of a joint with its nonlinear terms, because g and b contain the linear ones, and with

@@ -9,6 +9,7 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_number::{InputProblem, InvalidInput, check_number};
 
 use super::coupling::no_coordinate;
+use crate::equality::polynomial::PolynomialRelation;
 use crate::equality::position::CoupledPosition;
 use crate::equality::relation::Relation;
 
@@ -31,10 +32,8 @@ use crate::equality::relation::Relation;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolynomialCoupling {
-    /// y − y⁰ and x − x⁰; the latter 0 without a leader.
-    position: CoupledPosition,
-    leader: CoupledPosition,
-    polynomial: [f64; 5],
+    /// The relation of y − y⁰ and x − x⁰; the latter is 0 without a leader.
+    relation: PolynomialRelation,
 }
 
 impl PolynomialCoupling {
@@ -106,20 +105,16 @@ impl PolynomialCoupling {
             check_number("a number of a polynomial coupling", value)?;
         }
         let leader = leader.map_or(Ok(CoupledPosition::default()), &position)?;
-        Ok(Self { position: position(own)?, leader, polynomial })
+        Ok(Self { relation: PolynomialRelation { position: position(own)?, leader, polynomial } })
     }
 
     /// Whether a coordinate changes one of the two positions.
     pub(super) fn is_movable(&self, model: &Model) -> bool {
-        [&self.position, &self.leader].iter().any(|position| !position.coordinates(model).is_empty())
+        !self.relation.coordinates(model).is_empty()
     }
 
     /// The row of the two positions.
     pub(super) fn relation(&self) -> Relation {
-        Relation::Polynomial {
-            position: self.position.clone(),
-            leader: self.leader.clone(),
-            polynomial: self.polynomial,
-        }
+        Relation::Polynomial(self.relation.clone())
     }
 }

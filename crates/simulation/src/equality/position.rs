@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::kinematics::tendon_path::TendonPath;
-use robot_dynamics_description::TendonDescription;
 
 use crate::placement::{BodyMotion, Placement};
 
@@ -17,8 +16,6 @@ pub(crate) enum CoupledPosition {
     Joints(JointSum),
     /// The length of a spatial tendon.
     Path {
-        /// The index of the tendon among the spatial tendons.
-        number: usize,
         path: TendonPath,
         /// x⁰.
         reference: f64,
@@ -37,11 +34,11 @@ impl CoupledPosition {
     pub(crate) fn of_tendon(model: &Model, name: &str, reference: f64) -> Option<Self> {
         let robot = model.description();
         if let Some(tendon) = robot.tendons.iter().find(|own| own.name == name) {
-            return Some(Self::Joints(tendon_sum(model, tendon, tendon.offset - reference)));
+            return Some(Self::Joints(JointSum::of_tendon(model, tendon).minus(reference)));
         }
         let number = robot.spatial_tendons.iter().position(|own| own.name == name)?;
         let path = TendonPath::all(model).swap_remove(number);
-        Some(Self::Path { number, path, reference })
+        Some(Self::Path { path, reference })
     }
 
     /// Whether it depends on the placement of the bodies.
@@ -82,13 +79,14 @@ impl CoupledPosition {
         }
     }
 
-    /// Its first derivative by time, and its second one at v̇ = 0.
-    pub(crate) fn motion<'m>(
+    /// Its first derivative by time, and its second one at v̇ = 0. `motions` are those of the bodies, if it
+    /// needs their placement.
+    pub(crate) fn motion(
         &self,
         model: &Model,
         placement: &Placement,
         v: &[f64],
-        motions: impl FnOnce() -> &'m mut Vec<BodyMotion>,
+        motions: &[BodyMotion],
     ) -> [f64; 2] {
         match self {
             Self::Joints(sum) => [sum.rate(v), 0.0],
@@ -96,14 +94,8 @@ impl CoupledPosition {
                 let mut row = vec![0.0; model.nv()];
                 path.length_and_row(model, placement, &mut row);
                 let rate = row.iter().zip(v).map(|(entry, v)| entry * v).sum();
-                [rate, path.bias_acceleration(placement, motions())]
+                [rate, path.bias_acceleration(placement, motions)]
             }
         }
     }
-}
-
-/// The length of a tendon over joints, with another offset.
-pub(crate) fn tendon_sum(model: &Model, tendon: &TendonDescription, offset: f64) -> JointSum {
-    let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-    JointSum::new(model, offset, terms)
 }

@@ -6,7 +6,7 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::model::WORLD;
 
 use super::direction::ConstrainedDirection;
-use super::position::CoupledPosition;
+use super::polynomial::PolynomialRelation;
 use super::site::Site;
 
 /// An equality with its rows.
@@ -15,20 +15,9 @@ pub(crate) enum Relation {
     /// Between two sites a and b.
     Sites([Site; 2], Vec<ConstrainedDirection>),
     /// y = p(x) of two positions.
-    Polynomial { position: CoupledPosition, leader: CoupledPosition, polynomial: [f64; 5] },
+    Polynomial(PolynomialRelation),
     /// Σ cᵢvᵢ = 0; φ = Σ cᵢqᵢ − offset of these entries of q, if they are plain numbers.
     Sum { terms: Vec<(usize, f64)>, positions: Option<Vec<(usize, f64)>>, offset: f64 },
-}
-
-/// p, p′ and ½p″ of a polynomial at x, by Horner's rule.
-pub(super) fn polynomial_at(polynomial: &[f64; 5], x: f64) -> [f64; 3] {
-    let [mut p, mut slope, mut half_curvature] = [0.0; 3];
-    for c in polynomial.iter().rev() {
-        half_curvature = half_curvature * x + slope;
-        slope = slope * x + p;
-        p = p * x + c;
-    }
-    [p, slope, half_curvature]
 }
 
 impl Relation {
@@ -36,9 +25,7 @@ impl Relation {
     pub(super) fn needs_placement(&self) -> bool {
         match self {
             Self::Sites(..) => true,
-            Self::Polynomial { position, leader, .. } => {
-                position.needs_placement() || leader.needs_placement()
-            }
+            Self::Polynomial(relation) => relation.needs_placement(),
             Self::Sum { .. } => false,
         }
     }
@@ -47,7 +34,7 @@ impl Relation {
     pub(super) fn common_body(&self, model: &Model) -> usize {
         match self {
             Self::Sites([a, b], _) => model.common_ancestor([a.body, b.body]),
-            Self::Polynomial { .. } | Self::Sum { .. } => WORLD,
+            Self::Polynomial(_) | Self::Sum { .. } => WORLD,
         }
     }
 
@@ -59,11 +46,7 @@ impl Relation {
                 all.extend(model.coordinates_between(common, b.body));
                 all
             }
-            Self::Polynomial { position, leader, .. } => {
-                let mut all = position.coordinates(model);
-                all.extend(leader.coordinates(model));
-                all
-            }
+            Self::Polynomial(relation) => relation.coordinates(model),
             Self::Sum { terms, .. } => terms.iter().map(|(k, _)| *k).collect(),
         }
     }
@@ -72,7 +55,7 @@ impl Relation {
     pub(super) fn turns(&self) -> Vec<bool> {
         match self {
             Self::Sites(_, directions) => directions.iter().map(ConstrainedDirection::is_turn).collect(),
-            Self::Polynomial { .. } | Self::Sum { .. } => vec![false],
+            Self::Polynomial(_) | Self::Sum { .. } => vec![false],
         }
     }
 }

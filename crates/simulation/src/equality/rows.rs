@@ -5,8 +5,7 @@ use std::sync::Arc;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::position::CoupledPosition;
-use super::relation::{Relation, polynomial_at};
+use super::relation::Relation;
 use crate::placement::{BodyMotion, Placement};
 
 /// A row at the last configuration.
@@ -86,12 +85,11 @@ impl EqualityRows {
                         }
                     }
                 }
-                Relation::Polynomial { position, leader, polynomial } => {
-                    let [p, slope, _] = polynomial_at(polynomial, leader.at(placement, q));
+                Relation::Polynomial(relation) => {
                     let row = &mut rows[*first];
-                    row.begin(Some(position.at(placement, q) - p));
-                    position.each_derivative(model, placement, derivatives, |k, c| row.add(k, c));
-                    leader.each_derivative(model, placement, derivatives, |k, c| row.add(k, -slope * c));
+                    row.begin(None);
+                    let error = relation.place(model, (&*placement, q), derivatives, |k, c| row.add(k, c));
+                    row.error = Some(error);
                 }
                 Relation::Sum { terms, positions, offset } => {
                     let sum = |positions: &Vec<(usize, f64)>| {
@@ -121,17 +119,13 @@ impl EqualityRows {
                         *bias = direction.bias(&places, &moving);
                     }
                 }
-                // d/dt (ẏ − p′ẋ) = ÿ − p′ẍ − p″ẋ².
-                Relation::Polynomial { position, leader, polynomial } => {
-                    let placement = &self.placement;
-                    let [_, slope, half_curvature] = polynomial_at(polynomial, leader.at(placement, q));
-                    let mut motion = |position: &CoupledPosition| {
-                        position.motion(model, placement, v, || {
-                            motions.get_or_insert_with(|| placement.motions(model, v))
-                        })
+                Relation::Polynomial(relation) => {
+                    let motions: &[BodyMotion] = if relation.needs_placement() {
+                        motions.get_or_insert_with(|| self.placement.motions(model, v))
+                    } else {
+                        &[]
                     };
-                    let ([_, second], [rate, leader_second]) = (motion(position), motion(leader));
-                    bias[*first] = second - slope * leader_second - 2.0 * half_curvature * rate.powi(2);
+                    bias[*first] = relation.bias(model, &self.placement, (q, v), motions);
                 }
                 Relation::Sum { .. } => {}
             }

@@ -176,11 +176,8 @@ impl ImplicitIntegrator {
         let impulses_kept = impulses.memory().clone();
         let factor = StiffFactor::new(model);
         let mut components = Components::new(factor.paths().dof_parent());
-        let tendons = model.description().tendons.iter().map(|tendon| {
-            let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-            JointSum::new(model, 0.0, terms).row()
-        });
-        let tendons: Vec<_> = tendons.collect();
+        let tendons = model.description().tendons.iter();
+        let tendons: Vec<_> = tendons.map(|tendon| JointSum::of_tendon(model, tendon).row()).collect();
         components.unite(tendons.iter().map(Vec::as_slice));
         // One entry even if nothing moves.
         let trees = components.count().max(1);

@@ -134,9 +134,8 @@ impl Reading {
                 }
                 let index = description.tendons.iter().position(|tendon| tendon.name == name).unwrap_or(0);
                 let tendon = &description.tendons[index];
-                let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
                 Self::Length {
-                    length: JointSum::new(model, tendon.offset, terms),
+                    length: JointSum::of_tendon(model, tendon),
                     limits: [tendon.limits.lower, tendon.limits.upper],
                     margin: tendon.softness.margin,
                     index,

@@ -55,7 +55,7 @@ impl RowBuilder<'_> {
 impl JointRows {
     /// Adds the rows at q. Returns whether the coordinates of each lie on one path to the root.
     pub(super) fn add(
-        &self,
+        &mut self,
         bodies: &Bodies,
         state: &mut StepState<'_>,
         mut active: ActiveLimits<'_>,
@@ -179,25 +179,18 @@ impl JointRows {
     }
 
     /// Adds polynomial relations of joints and of tendons.
-    fn add_equality_rows(&self, bodies: &Bodies, state: &StepState<'_>, rows: &mut RowBuilder<'_>) {
-        let StepState { h, q, v, model, .. } = *state;
-        let placement = &bodies.placement;
+    fn add_equality_rows(&mut self, bodies: &Bodies, state: &StepState<'_>, rows: &mut RowBuilder<'_>) {
+        let StepState { h, q, model, .. } = *state;
         for equal in &self.equalities {
-            let [c0, c1, c2, c3, c4] = equal.polynomial;
-            let x = equal.leader.at(placement, q);
-            let value = c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)));
-            let slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4));
-            let response = Response::new(&equal.softness, h, equal.position.at(placement, q) - value);
-            let mut derivatives: Vec<(usize, f64)> = equal.support.iter().map(|&k| (k, 0.0)).collect();
-            let mut add = |k: usize, entry: f64| {
-                if let Ok(at) = derivatives.binary_search_by_key(&k, |(own, _)| *own) {
-                    derivatives[at].1 += entry;
+            let row = rows.problem.push(LINE, 1, equal.support.iter().copied());
+            let (support, entries) = rows.problem.last();
+            let place = (&bodies.placement, q);
+            let error = equal.relation.place(model, place, &mut self.memory, |k, entry| {
+                if let Ok(at) = support.binary_search(&k) {
+                    entries[at] += entry;
                 }
-            };
-            let mut row = vec![0.0; v.len()];
-            equal.position.each_derivative(model, placement, &mut row, &mut add);
-            equal.leader.each_derivative(model, placement, &mut row, |k, entry| add(k, -slope * entry));
-            let row = rows.problem.push_row(LINE, 1.0, &derivatives);
+            });
+            let response = Response::new(&equal.softness, h, error);
             rows.problem.soften(response.softness(equal.weight));
             rows.asked.push(RowReference::new(RowOrigin::Stop, row, response.damping, response.spring));
         }

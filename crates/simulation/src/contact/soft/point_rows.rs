@@ -1,10 +1,8 @@
-//! Rows of points on bodies, and the lengths of tendons.
+//! Rows of points on bodies.
 
 use nalgebra::Vector3;
-use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::{FrameId, Model};
-use robot_dynamics_description::TendonDescription;
 
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
@@ -76,10 +74,4 @@ pub(super) fn push(
         });
     }
     row
-}
-
-/// ℓ(q).
-pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointSum {
-    let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-    JointSum::new(model, tendon.offset, terms)
 }

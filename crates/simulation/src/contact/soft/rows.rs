@@ -1,6 +1,6 @@
 //! The rows of A of constraints, and those of joints: limits, friction, equalities.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -12,8 +12,8 @@ use robot_dynamics_description::{
 };
 
 use super::connection::Connection;
-use super::point_rows::tendon_length;
 use super::weights::InverseWeights;
+use crate::equality::polynomial::PolynomialRelation;
 use crate::equality::position::CoupledPosition;
 
 clone_in_place! {
@@ -27,6 +27,8 @@ clone_in_place! {
         pub(super) paths: Vec<PathRows>,
         pub(super) equalities: Vec<PolynomialEquality>,
         pub(super) connections: Vec<Connection>,
+        /// Derivatives of a length by all coordinates.
+        pub(super) memory: Vec<f64>,
         /// Whether the coordinates of each row lie on one path to the root.
         pub(super) keeps_tree: bool,
     }
@@ -100,11 +102,9 @@ pub(super) struct PathRows {
 /// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of two positions.
 #[derive(Clone, Debug)]
 pub(super) struct PolynomialEquality {
-    pub(super) position: CoupledPosition,
-    pub(super) leader: CoupledPosition,
-    /// The coordinates of both, in increasing order.
+    pub(super) relation: PolynomialRelation,
+    /// The coordinates of both positions, in increasing order.
     pub(super) support: Vec<usize>,
-    pub(super) polynomial: [f64; 5],
     pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
 }
@@ -124,6 +124,7 @@ impl JointRows {
             paths: Vec::new(),
             equalities: Vec::new(),
             connections: Vec::new(),
+            memory: vec![0.0; model.nv],
             keeps_tree: true,
         };
         rows.add_degrees_of_freedom(model, weights, of);
@@ -248,13 +249,12 @@ impl JointRows {
         softness: SolverImpedance,
     ) {
         let [(position, weight), (leader, other)] = positions.map(Option::unwrap_or_default);
-        let own = position.coordinates(model);
-        if own.is_empty() {
+        if position.coordinates(model).is_empty() {
             return;
         }
-        let support = own.into_iter().chain(leader.coordinates(model)).collect::<BTreeSet<_>>();
-        let (support, weight) = (support.into_iter().collect(), weight + other);
-        self.equalities.push(PolynomialEquality { position, leader, support, polynomial, softness, weight });
+        let relation = PolynomialRelation { position, leader, polynomial };
+        let support = relation.coordinates(model).into_iter().collect();
+        self.equalities.push(PolynomialEquality { relation, support, softness, weight: weight + other });
     }
 
     fn add_paths(&mut self, model: &Model, weights: &InverseWeights) {
@@ -291,7 +291,7 @@ impl JointRows {
         for (number, (tendon, &weight)) in
             model.description().tendons.iter().zip(&weights.tendons).enumerate()
         {
-            let length = tendon_length(model, tendon);
+            let length = JointSum::of_tendon(model, tendon);
             let derivatives = length.row();
             let Some(((last, _), others)) = derivatives.split_last() else { continue };
             let is_path = others.iter().all(|(k, _)| dof_ancestors(&dof_parent, *last).any(|i| i == *k));

@@ -12,8 +12,8 @@ use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
 use robot_dynamics_description::JointDescription;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::point_rows::tendon_length;
 use crate::placement::Placement;
+use robot_dynamics_core::configuration::joint_sum::JointSum;
 
 /// The means of the diagonals of J M⁻¹ Jᵀ.
 #[derive(Clone, Debug)]
@@ -97,7 +97,7 @@ impl InverseWeights {
         }
         let of_tendon = |tendon| {
             let mut row = vec![0.0; n];
-            tendon_length(model, tendon).spread(1.0, &mut row);
+            JointSum::of_tendon(model, tendon).spread(1.0, &mut row);
             weigh(&row)
         };
         let of_path = |path: TendonPath| {

@@ -155,8 +155,7 @@ impl Joints {
     fn add_tendons(&mut self, model: &Model) {
         for (number, tendon) in model.description().tendons.iter().enumerate() {
             let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
-            let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-            let sum = JointSum::new(model, tendon.offset, terms);
+            let sum = JointSum::of_tendon(model, tendon);
             let (row, terms) = (self.rows.len(), sum.row());
             let is_bounded = (lower.is_finite() || upper.is_finite()) && lower <= upper;
             let friction = tendon.passive.friction.max(0.0);

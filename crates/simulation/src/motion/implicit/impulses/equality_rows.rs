@@ -124,6 +124,7 @@ mod tests {
     use super::super::SOFTER;
     use super::Impulses;
     use crate::contact::{Components, Interrupt};
+    use crate::equality::polynomial::PolynomialRelation;
     use crate::equality::position::CoupledPosition;
     use crate::equality::relation::Relation;
     use crate::equality::rows::EqualityRows;
@@ -138,7 +139,10 @@ mod tests {
         let [position, leader] = ["shoulder", "elbow"]
             .map(|name| CoupledPosition::Joints(JointSum::new(&model, 0.0, [(name, 1.0)])));
         let polynomial = [0.0, 0.0, 1.0, 0.0, 0.0];
-        let rows = EqualityRows::new(&model, [Relation::Polynomial { position, leader, polynomial }]);
+        let rows = EqualityRows::new(
+            &model,
+            [Relation::Polynomial(PolynomialRelation { position, leader, polynomial })],
+        );
         let mut impulses = Impulses::new(&model, &joints);
         impulses.make_room(rows.rows());
         let mut equalities = Equalities::new(&model, rows, vec!["parabola".to_owned()]);
