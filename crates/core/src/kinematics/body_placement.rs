@@ -26,6 +26,28 @@ pub struct BodyMotion {
     pub spin_rate: Vector3<f64>,
 }
 
+impl BodyMotion {
+    /// The motion of a point of the body, at this distance from the origin in world axes.
+    #[must_use]
+    pub fn at(&self, lever: &Vector3<f64>) -> Self {
+        let Self { velocity, spin, acceleration, spin_rate } = *self;
+        let carried = spin.cross(lever);
+        Self {
+            velocity: velocity + carried,
+            acceleration: acceleration + spin_rate.cross(lever) + spin.cross(&carried),
+            spin,
+            spin_rate,
+        }
+    }
+
+    /// The acceleration of d in axes that turn with the body, d̈ − ω̇ × d − 2 ω × ḋ + ω × (ω × d), in world
+    /// axes.
+    pub fn relative_acceleration(&self, [d, rate, acceleration]: [&Vector3<f64>; 3]) -> Vector3<f64> {
+        let spin = &self.spin;
+        acceleration - self.spin_rate.cross(d) - spin.cross(rate) * 2.0 + spin.cross(&spin.cross(d))
+    }
+}
+
 clone_in_place! {
     /// The bodies in one configuration.
     #[derive(Debug)]

@@ -90,13 +90,8 @@ impl ConstrainedDirection {
             Self::Shift(k) => {
                 let d = b.origin - a.origin;
                 let rate = moving_b.velocity - moving_a.velocity;
-                let spin = &moving_a.spin;
-                let relative = moving_b.acceleration
-                    - moving_a.acceleration
-                    - moving_a.spin_rate.cross(&d)
-                    - spin.cross(&rate) * 2.0
-                    + spin.cross(&spin.cross(&d));
-                a.axis(*k).dot(&relative)
+                let acceleration = moving_b.acceleration - moving_a.acceleration;
+                a.axis(*k).dot(&moving_a.relative_acceleration([&d, &rate, &acceleration]))
             }
             // With ω = ω_b − ω_a, the rate of ω·(β × α) is ω̇·(β × α) + ω·((ω_b × β) × α + β × (ω_a × α)).
             Self::Turn(products) => {

@@ -49,15 +49,7 @@ impl Site {
         if self.body == WORLD {
             return BodyMotion::default();
         }
-        let BodyMotion { velocity, spin, acceleration, spin_rate } = motions[self.body];
-        let lever = placement.body(self.body).0 * self.translation;
-        let carried = spin.cross(&lever);
-        BodyMotion {
-            velocity: velocity + carried,
-            acceleration: acceleration + spin_rate.cross(&lever) + spin.cross(&carried),
-            spin,
-            spin_rate,
-        }
+        motions[self.body].at(&(placement.body(self.body).0 * self.translation))
     }
 }
 

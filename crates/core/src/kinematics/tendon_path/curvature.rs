@@ -45,8 +45,8 @@ impl Segment {
         let Some((surface, found)) = wrapped else {
             return straight(&from, &to).acceleration();
         };
-        let ends = [from, to].map(|point| surface.relative_motion(&point, placement, motions));
         let (axes, origin) = surface.place(placement);
+        let ends = [from, to].map(|point| surface.relative_motion(&point, placement, motions));
         let [a, b] = found.ends.map(|end| axes.tr_mul(&(end - origin)));
         let side = surface.side.map(|side| axes.tr_mul(&(side.in_world(placement) - origin)));
         let flat = |point: &Vector3<f64>| match surface.kind {
@@ -111,16 +111,8 @@ fn around([from, to]: &[PointMotion; 2], radius: f64, arc: f64) -> Moving {
 /// The length of the shortest path from one end to the other via a sphere, or a circle about z, which it
 /// touches at `point`.
 fn touch(ends: &[PointMotion; 2], point: Vector3<f64>, kind: TendonSurface) -> Moving {
-    let [mut length, mut rate, mut acceleration] = [0.0; 3];
-    for PointMotion { position, velocity, acceleration: second } in ends {
-        let way = position - point;
-        let distance = way.norm();
-        let along = way / distance;
-        length += distance;
-        rate += along.dot(velocity);
-        acceleration +=
-            along.dot(second) + (velocity.norm_squared() - along.dot(velocity).powi(2)) / distance;
-    }
+    let at_rest = PointMotion { position: point, velocity: Vector3::zeros(), acceleration: Vector3::zeros() };
+    let mut length = straight(&at_rest, &ends[0]) + straight(&at_rest, &ends[1]);
     // Two directions along a sphere, in the plane of the path and across it; one along a circle.
     let normal = match kind {
         TendonSurface::Sphere => ends[0].position.cross(&ends[1].position),
@@ -141,10 +133,10 @@ fn touch(ends: &[PointMotion; 2], point: Vector3<f64>, kind: TendonSurface) -> M
             second += (tangent.norm_squared() - slope * slope) / distance + along.dot(&point);
         }
         if second > 0.0 {
-            acceleration -= mixed * mixed / second;
+            length.gradient[0].gradient[0] -= mixed * mixed / second;
         }
     }
-    moving(length, rate, acceleration)
+    length
 }
 
 fn moving(value: f64, rate: f64, acceleration: f64) -> Moving {
@@ -192,20 +184,16 @@ impl PointMotion {
     }
 }
 
-/// The motion of a point in the world.
+/// The motion of a point of a body or of the world.
 fn point_motion(point: BodyPoint, placement: &Placement, motions: &[BodyMotion]) -> PointMotion {
-    let position = point.in_world(placement);
-    if point.body == WORLD {
-        return PointMotion { position, velocity: Vector3::zeros(), acceleration: Vector3::zeros() };
-    }
-    let BodyMotion { velocity, spin, acceleration, spin_rate } = motions[point.body];
     let lever = placement.body(point.body).0 * point.position;
-    let carried = spin.cross(&lever);
-    PointMotion {
-        position,
-        velocity: velocity + carried,
-        acceleration: acceleration + spin_rate.cross(&lever) + spin.cross(&carried),
-    }
+    let BodyMotion { velocity, acceleration, .. } = body_motion(point.body, motions).at(&lever);
+    PointMotion { position: point.in_world(placement), velocity, acceleration }
+}
+
+/// The motion of a body, or of the world, which is at rest.
+fn body_motion(body: usize, motions: &[BodyMotion]) -> BodyMotion {
+    if body == WORLD { BodyMotion::default() } else { motions[body] }
 }
 
 impl BodySurface {
@@ -218,18 +206,14 @@ impl BodySurface {
     ) -> PointMotion {
         let (axes, position) = self.place(placement);
         let center = point_motion(BodyPoint { body: self.body, position: self.origin }, placement, motions);
-        let BodyMotion { spin, spin_rate, .. } =
-            if self.body == WORLD { BodyMotion::default() } else { motions[self.body] };
+        let carrier = body_motion(self.body, motions);
         let way = point.position - position;
         let rate = point.velocity - center.velocity;
-        // The rate in the turning axes is ḋ − ω × d, and its rate there
-        // d̈ − ω̇ × d − 2 ω × ḋ + ω × (ω × d).
-        let acceleration =
-            point.acceleration - center.acceleration - spin_rate.cross(&way) - spin.cross(&rate) * 2.0
-                + spin.cross(&spin.cross(&way));
+        let acceleration = point.acceleration - center.acceleration;
+        let acceleration = carrier.relative_acceleration([&way, &rate, &acceleration]);
         PointMotion {
             position: axes.tr_mul(&way),
-            velocity: axes.tr_mul(&(rate - spin.cross(&way))),
+            velocity: axes.tr_mul(&(rate - carrier.spin.cross(&way))),
             acceleration: axes.tr_mul(&acceleration),
         }
     }
