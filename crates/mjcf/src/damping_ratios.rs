@@ -37,11 +37,11 @@ impl Reader<'_> {
         }
         let paths: HashMap<String, usize> =
             robot.spatial_tendons.iter().enumerate().map(|(at, own)| (own.name.clone(), at)).collect();
-        let is_path = |name: &str| paths.contains_key(name);
-        if robot.equalities.iter().any(|equality| lengths(&equality.kind).any(|(name, _)| is_path(name)))
-            && let Some(initial) = InitialPose::new(table, robot, |joint| joint.initial.clone())
+        let couples_paths = !paths.is_empty()
+            && robot.equalities.iter_mut().any(|own| lengths(&mut own.kind).next().is_some());
+        if couples_paths && let Some(initial) = InitialPose::new(table, robot, |joint| joint.initial.clone())
         {
-            for (name, reference) in robot.equalities.iter_mut().flat_map(|own| lengths_mut(&mut own.kind)) {
+            for (name, reference) in robot.equalities.iter_mut().flat_map(|own| lengths(&mut own.kind)) {
                 if let Some(&tendon) = paths.get(name) {
                     *reference = initial.paths[tendon].length(&initial.placement);
                 }
@@ -147,15 +147,7 @@ impl Reader<'_> {
 }
 
 /// The tendons of an equality, with their reference lengths.
-fn lengths(kind: &Equality) -> impl Iterator<Item = &(String, f64)> {
-    let (tendon, leader) = match kind {
-        Equality::Tendons { tendon, leader, .. } => (Some(tendon), leader.as_ref()),
-        _ => (None, None),
-    };
-    tendon.into_iter().chain(leader)
-}
-
-fn lengths_mut(kind: &mut Equality) -> impl Iterator<Item = &mut (String, f64)> {
+fn lengths(kind: &mut Equality) -> impl Iterator<Item = &mut (String, f64)> {
     let (tendon, leader) = match kind {
         Equality::Tendons { tendon, leader, .. } => (Some(tendon), leader.as_mut()),
         _ => (None, None),

@@ -12,6 +12,7 @@ mod sensors;
 mod shapes;
 mod spatial_tendons;
 
+use core::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -104,6 +105,8 @@ struct MjcfWriter<'r> {
     /// The geoms of each link that exist only for tendons, and the names of the geoms on each path.
     tendon_geoms: HashMap<&'r str, Vec<TendonGeom>>,
     tendon_geom_names: Vec<Vec<String>>,
+    /// The lengths of spatial tendons in the pose of the file.
+    path_lengths: OnceCell<Vec<f64>>,
     /// The shapes of the sites that are zones of sensors.
     zones: HashMap<String, &'r Shape>,
     /// The shapes of each link, with the name of their mesh or height field.
@@ -164,6 +167,7 @@ impl<'r> MjcfWriter<'r> {
             link_sites: HashMap::new(),
             tendon_geoms: HashMap::new(),
             tendon_geom_names: Vec::new(),
+            path_lengths: OnceCell::new(),
             zones: HashMap::new(),
             shapes: HashMap::new(),
             shape_names: Names::default(),

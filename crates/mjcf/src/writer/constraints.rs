@@ -5,7 +5,7 @@ use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_core::{Model, Workspace, neutral};
 use robot_dynamics_description::{
     ContactPairDescription, Equality, EqualityDescription, JointKind, PassiveForces,
-    PolynomialStiffnessDamping, Quaternion, TendonSolverImpedance,
+    PolynomialStiffnessDamping, Quaternion, RobotDescription, TendonSolverImpedance,
 };
 use robot_dynamics_xml::{excerpt, is_name};
 
@@ -182,13 +182,7 @@ impl MjcfWriter<'_> {
             return is_written.then_some(tendon.offset);
         }
         let number = robot.spatial_tendons.iter().position(|own| own.name == name)?;
-        let mut zero = robot.clone();
-        (zero.equalities, zero.actuators, zero.sensors, zero.poses) = Default::default();
-        zero.joints.iter_mut().for_each(|joint| joint.mimic = None);
-        let model = Model::new(zero).ok()?;
-        let mut placement = Placement::new(&model);
-        placement.set(&model, &mut Workspace::new(&model), &neutral(&model));
-        Some(TendonPath::all(&model)[number].length(&placement))
+        self.path_lengths.get_or_init(|| initial_path_lengths(robot)).get(number).copied()
     }
 
     fn write_equality(&mut self, equality: &EqualityDescription, index: Option<usize>) {
@@ -249,6 +243,17 @@ impl MjcfWriter<'_> {
         }
         self.xml.end();
     }
+}
+
+/// The lengths of all spatial tendons with all joints at zero; empty for a robot that does not compile.
+fn initial_path_lengths(robot: &RobotDescription) -> Vec<f64> {
+    let mut zero = robot.clone();
+    (zero.equalities, zero.actuators, zero.sensors, zero.poses) = Default::default();
+    zero.joints.iter_mut().for_each(|joint| joint.mimic = None);
+    let Ok(model) = Model::new(zero) else { return Vec::new() };
+    let mut placement = Placement::new(&model);
+    placement.set(&model, &mut Workspace::new(&model), &neutral(&model));
+    TendonPath::all(&model).iter().map(|path| path.length(&placement)).collect()
 }
 
 /// The coefficients of y = y⁰ + Σ cₖ (x − x⁰)ᵏ in powers of x. The references of the file are zero.
