@@ -46,8 +46,10 @@ impl RobotDescription {
         mimic_joints
     }
 
-    /// Makes the joint a mimic joint; returns whether it could.
-    fn follow(&mut self, joint: &str, mimic: &Mimic) -> bool {
+    /// Makes the joint a mimic joint; returns whether it could. It cannot if it is one already, if one of the
+    /// two joints is fixed or missing, or if the chain of leaders would return to it.
+    #[doc(hidden)]
+    pub fn follow(&mut self, joint: &str, mimic: &Mimic) -> bool {
         let find = |robot: &Self, name: &str| robot.joints.iter().position(|joint| joint.name == name);
         let (Some(index), Some(leader)) = (find(self, joint), find(self, &mimic.joint)) else { return false };
         let is_moved = |at: usize| self.joints[at].kind != JointKind::Fixed;

@@ -101,7 +101,7 @@ fn mujoco(prim: &Prim, name: String, joint: &str) -> Result<ActuatorDescription,
     if bias.velocity > 0.0 && gain.length == 0.0 && gain.constant == -bias.length {
         return Err("its damping is stated by a damping ratio, which is not read; give kv".to_owned());
     }
-    // Minus zero is no force.
+    // −0 becomes 0, as for an actuator without damping.
     bias.velocity += 0.0;
     let gear = prim.numbers("mjc:gear").and_then(|gear| gear.first()).copied().unwrap_or(1.0);
     let mut actuator = ActuatorDescription::new(name, Transmission::joint(joint, gear));

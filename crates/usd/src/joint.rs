@@ -9,7 +9,7 @@ use crate::geometry::{Geometry, WORLD_NODE};
 use crate::prim::Prim;
 use crate::transform::quaternion;
 
-/// A limit from here on is no limit.
+/// Limits of at least this size stand for unlimited motion.
 const UNLIMITED: f64 = 1e30;
 
 /// The motion of one degree of freedom, or of a ball joint, in the frame of the joint.

@@ -146,7 +146,6 @@ fn add_mimics(assembly: &mut Assembly<'_>, findings: &mut Findings) {
     let scene = assembly.geometry.scene;
     let joint_of: HashMap<usize, usize> =
         assembly.joints.iter().enumerate().map(|(index, joint)| (joint.prim, index)).collect();
-    let mut leaders: HashMap<String, String> = HashMap::new();
     for (index, joint) in assembly.joints.iter().enumerate() {
         let prim = &scene.prims[joint.prim];
         let targets = prim.targets("newton:mimicJoint");
@@ -171,23 +170,13 @@ fn add_mimics(assembly: &mut Assembly<'_>, findings: &mut Findings) {
             continue;
         };
         let (own, other) = (own.clone(), other.clone());
-        // The chain of leaders must end at a joint that moves by itself.
-        let mut at = Some(&other);
-        while let Some(name) = at.filter(|name| **name != own) {
-            at = leaders.get(name);
-        }
-        if at.is_some() {
-            findings.refuse(
-                &prim.path,
-                "it mimics itself, directly or through other joints; remove one relation",
-            );
-            continue;
-        }
-        leaders.insert(own.clone(), other.clone());
-        let Some(made) = assembly.robot.joints.iter_mut().find(|made| made.name == own) else { continue };
+        let Some(made) = assembly.robot.joints.iter().find(|made| made.name == own) else { continue };
         let is_angle = !matches!(made.kind, JointKind::Prismatic { .. });
         let offset = offset * if is_angle { 1_f64.to_radians() } else { assembly.geometry.meters };
-        made.mimic = Some(Mimic::new(other, ratio, offset));
+        if !assembly.robot.follow(&own, &Mimic::new(other, ratio, offset)) {
+            let reason = "it mimics itself, directly or through other joints; remove one relation";
+            findings.refuse(&prim.path, reason);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 use std::time::Instant;
 
 use robot_dynamics_core::model::Model;
+use robot_dynamics_number::SplitMix64;
 use robot_dynamics_usd::{LoadOptions, parse_with_files};
 
 const PARTS: &str = include_str!("../../../testdata/usd/parts.usda");
@@ -42,17 +43,8 @@ const WORDS: [&str; 26] = [
     "@@",
 ];
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        usize::try_from((z ^ (z >> 31)) % count.max(1) as u64).expect("an index")
-    }
+fn below(random: &mut SplitMix64, count: usize) -> usize {
+    usize::try_from(random.next_u64() % count.max(1) as u64).expect("an index")
 }
 
 fn count() -> usize {
@@ -81,25 +73,25 @@ fn end_of_part(lines: &[String], start: usize) -> usize {
     start + 1
 }
 
-fn changed(random: &mut Random) -> String {
+fn changed(random: &mut SplitMix64) -> String {
     let mut lines: Vec<String> = PARTS.lines().map(str::to_owned).collect();
-    for _ in 0..=random.below(4) {
-        let start = random.below(lines.len());
+    for _ in 0..=below(random, 4) {
+        let start = below(random, lines.len());
         let end = end_of_part(&lines, start);
         let part: Vec<String> = lines[start..end].to_vec();
-        match random.below(6) {
+        match below(random, 6) {
             0 => drop(lines.drain(start..end)),
             1 => {
-                let at = random.below(lines.len());
+                let at = below(random, lines.len());
                 lines.splice(at..at, part);
             }
             2 => {
                 lines.drain(start..end);
-                let at = random.below(lines.len() + 1);
+                let at = below(random, lines.len() + 1);
                 lines.splice(at..at, part);
             }
             3 => {
-                let other = random.below(lines.len());
+                let other = below(random, lines.len());
                 lines.swap(start, other);
             }
             _ => {
@@ -107,12 +99,12 @@ fn changed(random: &mut Random) -> String {
                 if words.is_empty() {
                     continue;
                 }
-                let at = random.below(words.len());
+                let at = below(random, words.len());
                 let own: Vec<&str> = PARTS.split_whitespace().collect();
-                let new = if random.below(2) == 0 {
-                    WORDS[random.below(WORDS.len())]
+                let new = if below(random, 2) == 0 {
+                    WORDS[below(random, WORDS.len())]
                 } else {
-                    own[random.below(own.len())]
+                    own[below(random, own.len())]
                 };
                 let words: Vec<&str> =
                     words.iter().enumerate().map(|(i, word)| if i == at { new } else { word }).collect();
@@ -126,23 +118,23 @@ fn changed(random: &mut Random) -> String {
     lines.join("\n")
 }
 
-fn changed_bytes(random: &mut Random) -> Vec<u8> {
+fn changed_bytes(random: &mut SplitMix64) -> Vec<u8> {
     let mut bytes = ARM.to_vec();
-    for _ in 0..=random.below(5) {
-        let at = random.below(bytes.len());
-        match random.below(6) {
-            0 => bytes[at] ^= 1 << random.below(8),
+    for _ in 0..=below(random, 5) {
+        let at = below(random, bytes.len());
+        match below(random, 6) {
+            0 => bytes[at] ^= 1 << below(random, 8),
             1 => bytes[at] = 0xff,
             2 => bytes[at] = 0,
             3 => {
-                let (from, length) = (random.below(bytes.len()), 1 + random.below(16));
+                let (from, length) = (below(random, bytes.len()), 1 + below(random, 16));
                 let chunk: Vec<u8> = bytes.iter().skip(from).take(length).copied().collect();
                 for (place, byte) in bytes[at..].iter_mut().zip(chunk) {
                     *place = byte;
                 }
             }
-            4 => bytes[at] = u8::try_from(random.below(256)).expect("a byte"),
-            _ if random.below(20) == 0 => bytes.truncate(at.max(8)),
+            4 => bytes[at] = u8::try_from(below(random, 256)).expect("a byte"),
+            _ if below(random, 20) == 0 => bytes.truncate(at.max(8)),
             _ => bytes[at] = bytes[at].wrapping_add(1),
         }
     }
@@ -150,12 +142,12 @@ fn changed_bytes(random: &mut Random) -> Vec<u8> {
 }
 
 /// Reads all files. Returns the number of those that are not refused.
-fn read_all(name: &str, mut make: impl FnMut(&mut Random) -> Vec<u8>) -> usize {
+fn read_all(name: &str, mut make: impl FnMut(&mut SplitMix64) -> Vec<u8>) -> usize {
     let first: u64 = std::env::var("SEED").map_or(0, |seed| seed.parse().expect("a number"));
     let (mut read, mut contained) = (0, 0);
     let mut slowest = (0.0, 0);
     for seed in first..first + count() as u64 {
-        let content = make(&mut Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d)));
+        let content = make(&mut SplitMix64::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d)));
         if let Ok(path) = std::env::var("WRITE") {
             std::fs::write(path, &content).expect("the file");
         }
