@@ -29,6 +29,7 @@ mod frames;
 mod gravity;
 mod inverse_dynamics;
 mod pullback;
+mod second_order;
 mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
@@ -52,4 +53,14 @@ pub use pullback::{
     forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters, negate, parameter_count, parameter_values, pull_dissipation,
     solve_negative, with_parameters,
+};
+pub use second_order::{
+    ForwardDirections, ForwardHessianProductMut, ForwardSecondDerivativesMut, FramePoseInputs,
+    FrameVelocityHessianProductMut, FrameVelocityInputs, InverseDirections, InverseHessianProductMut,
+    InverseSecondDerivativesMut, SecondOrderWorkspace, forward_dynamics_hessian,
+    forward_dynamics_hessian_product, forward_dynamics_pullback_derivative,
+    forward_dynamics_second_derivatives, frame_jacobian_derivative, frame_pose_hessian,
+    frame_pose_hessian_product, frame_velocity_hessian, frame_velocity_hessian_product,
+    inverse_dynamics_hessian, inverse_dynamics_hessian_product, inverse_dynamics_pullback_derivative,
+    inverse_dynamics_second_derivatives,
 };

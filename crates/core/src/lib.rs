@@ -102,15 +102,22 @@ pub use configuration::manifold::{
     random_within_limits,
 };
 pub use derivatives::{
-    ForwardDynamicsDerivativesMut, ForwardPullbackInputs, ForwardPullbackMut,
-    FrameAccelerationDerivativesMut, FrameAccelerationInputs, InverseDynamicsDerivativesMut,
-    InversePullbackInputs, InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
-    center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
-    forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
-    forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
-    gravity_derivative, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
-    inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values,
-    with_parameters,
+    ForwardDirections, ForwardDynamicsDerivativesMut, ForwardHessianProductMut, ForwardPullbackInputs,
+    ForwardPullbackMut, ForwardSecondDerivativesMut, FrameAccelerationDerivativesMut,
+    FrameAccelerationInputs, FramePoseInputs, FrameVelocityHessianProductMut, FrameVelocityInputs,
+    InverseDirections, InverseDynamicsDerivativesMut, InverseHessianProductMut, InversePullbackInputs,
+    InversePullbackMut, InverseSecondDerivativesMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
+    SecondOrderWorkspace, center_of_mass_velocity_derivative, dissipation_pullback,
+    forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches, forward_dynamics_hessian,
+    forward_dynamics_hessian_product, forward_dynamics_pullback, forward_dynamics_pullback_derivative,
+    forward_dynamics_pullback_with_parameters, forward_dynamics_second_derivatives,
+    frame_acceleration_derivatives, frame_jacobian_derivative, frame_pose_hessian,
+    frame_pose_hessian_product, frame_velocity_derivative, frame_velocity_hessian,
+    frame_velocity_hessian_product, gravity_derivative, inverse_dynamics_derivatives,
+    inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_hessian, inverse_dynamics_hessian_product,
+    inverse_dynamics_pullback, inverse_dynamics_pullback_derivative,
+    inverse_dynamics_pullback_with_parameters, inverse_dynamics_second_derivatives, parameter_count,
+    parameter_values, with_parameters,
 };
 pub use kinematics::wrench::FrameWrench;
 pub use model::massless_joints::lock_massless;
@@ -120,7 +127,8 @@ pub use model::native::{NativeTrace, Tracer};
 pub use model::random_state::{RandomState, random_state};
 pub use model::{Frame, FrameId, Joint, Link, Model, ReferenceFrame};
 pub use model_methods::{
-    ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback,
+    ForwardDynamicsDerivatives, ForwardHessianProduct, ForwardPullback, ForwardSecondDerivatives,
+    InverseDynamicsDerivatives, InverseHessianProduct, InversePullback, InverseSecondDerivatives,
 };
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use workspace::buffers::Workspace;

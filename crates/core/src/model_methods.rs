@@ -3,6 +3,7 @@
 //! In a loop, call the functions of the same names with a [`Workspace`] instead: they do not allocate.
 
 mod pullback;
+mod second_order;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use robot_dynamics_description::Pose;
@@ -14,6 +15,9 @@ use crate::{
 };
 
 pub use pullback::{ForwardPullback, InversePullback};
+pub use second_order::{
+    ForwardHessianProduct, ForwardSecondDerivatives, InverseHessianProduct, InverseSecondDerivatives,
+};
 
 /// The three nv×nv derivatives of τ(q, v, a).
 #[derive(Clone, Debug, PartialEq)]

@@ -119,15 +119,23 @@ pub mod algorithms {
 /// Derivatives of the recursions and of steps, and gradients pulled back through them.
 pub mod derivatives {
     pub use robot_dynamics_core::{
-        ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardPullback, ForwardPullbackInputs,
-        ForwardPullbackMut, FrameAccelerationDerivativesMut, FrameAccelerationInputs,
-        InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InversePullback, InversePullbackInputs,
-        InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
-        center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
-        forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
-        forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
-        gravity_derivative, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
-        inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, parameter_count,
+        ForwardDirections, ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardHessianProduct,
+        ForwardHessianProductMut, ForwardPullback, ForwardPullbackInputs, ForwardPullbackMut,
+        ForwardSecondDerivatives, ForwardSecondDerivativesMut, FrameAccelerationDerivativesMut,
+        FrameAccelerationInputs, FramePoseInputs, FrameVelocityHessianProductMut, FrameVelocityInputs,
+        InverseDirections, InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InverseHessianProduct,
+        InverseHessianProductMut, InversePullback, InversePullbackInputs, InversePullbackMut,
+        InverseSecondDerivatives, InverseSecondDerivativesMut, PASSIVE_PARAMETERS_PER_JOINT,
+        ParameterCotangents, SecondOrderWorkspace, center_of_mass_velocity_derivative, dissipation_pullback,
+        forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches, forward_dynamics_hessian,
+        forward_dynamics_hessian_product, forward_dynamics_pullback, forward_dynamics_pullback_derivative,
+        forward_dynamics_pullback_with_parameters, forward_dynamics_second_derivatives,
+        frame_acceleration_derivatives, frame_jacobian_derivative, frame_pose_hessian,
+        frame_pose_hessian_product, frame_velocity_derivative, frame_velocity_hessian,
+        frame_velocity_hessian_product, gravity_derivative, inverse_dynamics_derivatives,
+        inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_hessian,
+        inverse_dynamics_hessian_product, inverse_dynamics_pullback, inverse_dynamics_pullback_derivative,
+        inverse_dynamics_pullback_with_parameters, inverse_dynamics_second_derivatives, parameter_count,
         parameter_values, with_parameters,
     };
     pub use robot_dynamics_simulation::{

@@ -107,6 +107,19 @@ pub fn pull_rate<S: Scalar>(
     }
 }
 
+/// Subtracts ½ adᵀ_α g from the result: the part of a gradient's rate along α that depends on the order of
+/// displacements. It is zero for joints without a quaternion.
+pub fn subtract_half_bracket(model: &Model, direction: &[f64], gradient: &[f64], result: &mut [f64]) {
+    for CoordinateRange { chart, v: k, .. } in coordinate_ranges(model) {
+        if chart == Chart::Line {
+            continue;
+        }
+        let (linear, angular) = coadjoint(read(chart, direction, k), read(chart, gradient, k));
+        let before = read(chart, result, k);
+        write(chart, result, k, (before.0.sub_scaled(0.5, linear), before.1.sub_scaled(0.5, angular)));
+    }
+}
+
 /// A joint's part of a vector, linear and angular; a rotation has no linear part.
 #[inline(always)]
 fn read<S: Scalar>(chart: Chart, x: &[S], k: usize) -> (V3<S>, V3<S>) {

@@ -20,10 +20,10 @@ use crate::workspace::tree::TreeMemory;
 use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
 /// A DoF between the root and a frame, about the reference point of the frame's body.
-struct AncestorDof<S: Scalar> {
-    dof: usize,
+pub(super) struct AncestorDof<S: Scalar> {
+    pub dof: usize,
     /// S and Ṡ.
-    s: MotionVector<S>,
+    pub s: MotionVector<S>,
     turned: MotionVector<S>,
     /// V and A of the parent.
     velocity: MotionVector<S>,
@@ -32,7 +32,7 @@ struct AncestorDof<S: Scalar> {
 
 /// Calls `column` with each DoF between the root and the frame.
 #[inline(always)]
-fn for_each_ancestor<S: Scalar>(
+pub(super) fn for_each_ancestor<S: Scalar>(
     model: &Model,
     tree: &TreeMemory<S>,
     frame: FrameId,

@@ -8,3 +8,4 @@ mod derivatives;
 mod dispatch_paths;
 mod momentum;
 mod reference_routes;
+mod second_order;
