@@ -6,6 +6,7 @@
 
 pub mod body_placement;
 pub mod frame_transmission;
+pub mod motion_columns;
 pub mod parent_inertia;
 pub mod placement;
 pub mod shifts;

@@ -10,6 +10,7 @@ mod actuation;
 
 // The places and motions of bodies in the world.
 pub(crate) use robot_dynamics_core::kinematics::body_placement as placement;
+pub(crate) use robot_dynamics_core::kinematics::motion_columns;
 
 // Rows of equalities.
 mod equality;
@@ -34,13 +35,19 @@ pub mod simulator;
 
 pub use actuation::{Actuation, ActuationWorkspace};
 pub use constraints::{
-    Anchor, Baumgarte, ConstrainedMotion, ConstrainedStepReport, ConstrainedTorque, Constraint,
-    ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
-    ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
-    NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
-    RollingRow, SpatialAxis, StepConstraints, SupportProblem, SupportedTorque, TreeProjections,
-    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
-    constraint_projections, contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
+    Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionDerivatives, ConstrainedMotionPullback,
+    ConstrainedPullbackInputs, ConstrainedStepReport, ConstrainedTorque, ConstrainedTorqueDerivatives,
+    ConstrainedTorquePullback, ConstrainedTorquePullbackInputs, Constraint, ConstraintDrift, ConstraintError,
+    ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet, ContactImpulse,
+    ContactImpulseDerivatives, ContactImpulsePullback, ContactSupport, Coupling, DriftCorrection,
+    FrameConstraint, ImpulsePullbackInputs, LoopClosure, NamedDependentRow, NoSlip, Plane,
+    PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, SpatialAxis,
+    StepConstraints, SupportProblem, SupportedTorque, TreeProjections, constrained_forward_dynamics,
+    constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
+    constrained_inverse_dynamics, constrained_inverse_dynamics_derivatives,
+    constrained_inverse_dynamics_pullback, constrained_step, constraint_drift, constraint_projections,
+    contact_impulse, contact_impulse_derivatives, contact_impulse_pullback, project_position,
+    project_velocity, supported_inverse_dynamics,
 };
 pub use contact::{
     ActiveSet, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation, Ground,

@@ -15,21 +15,34 @@ use robot_dynamics_number::{Scalar, View};
 /// A velocity and ω, or a force and its moment.
 pub type Twist = [Vector3<f64>; 2];
 
+/// A number that closed formulas over vectors accept: `f64` or dual numbers.
+pub trait VectorNumber: Scalar + PartialEq {}
+
+impl<S: Scalar + PartialEq> VectorNumber for S {}
+
 /// The motion of a body's origin in world axes.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BodyMotion {
-    pub velocity: Vector3<f64>,
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion<S = f64> {
+    pub velocity: Vector3<S>,
     /// ω.
-    pub spin: Vector3<f64>,
-    pub acceleration: Vector3<f64>,
+    pub spin: Vector3<S>,
+    pub acceleration: Vector3<S>,
     /// ω̇.
-    pub spin_rate: Vector3<f64>,
+    pub spin_rate: Vector3<S>,
 }
 
-impl BodyMotion {
+/// At rest.
+impl Default for BodyMotion {
+    fn default() -> Self {
+        let zero = Vector3::zeros();
+        Self { velocity: zero, spin: zero, acceleration: zero, spin_rate: zero }
+    }
+}
+
+impl<S: VectorNumber> BodyMotion<S> {
     /// The motion of a point of the body, at this distance from the origin in world axes.
     #[must_use]
-    pub fn at(&self, lever: &Vector3<f64>) -> Self {
+    pub fn at(&self, lever: &Vector3<S>) -> Self {
         let Self { velocity, spin, acceleration, spin_rate } = *self;
         let carried = spin.cross(lever);
         Self {
@@ -42,9 +55,9 @@ impl BodyMotion {
 
     /// The acceleration of d in axes that turn with the body, d̈ − ω̇ × d − 2 ω × ḋ + ω × (ω × d), in world
     /// axes.
-    pub fn relative_acceleration(&self, [d, rate, acceleration]: [&Vector3<f64>; 3]) -> Vector3<f64> {
-        let spin = &self.spin;
-        acceleration - self.spin_rate.cross(d) - spin.cross(rate) * 2.0 + spin.cross(&spin.cross(d))
+    pub fn relative_acceleration(&self, [d, rate, acceleration]: [&Vector3<S>; 3]) -> Vector3<S> {
+        let (spin, two) = (&self.spin, S::from_f64(2.0));
+        acceleration - self.spin_rate.cross(d) - spin.cross(rate) * two + spin.cross(&spin.cross(d))
     }
 }
 
@@ -155,6 +168,11 @@ impl Placement {
 
     /// The motion of each body at v̇ = 0.
     pub fn motions(&self, model: &Model, v: &[f64]) -> Vec<BodyMotion> {
+        self.accelerated_motions(model, v, None)
+    }
+
+    /// The motion of each body; `None` means v̇ = 0.
+    pub fn accelerated_motions(&self, model: &Model, v: &[f64], a: Option<&[f64]>) -> Vec<BodyMotion> {
         let mut motions: Vec<BodyMotion> = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
             let carrier = if body.parent == WORLD { BodyMotion::default() } else { motions[body.parent] };
@@ -164,15 +182,21 @@ impl Placement {
                 self.origin(i) - self.origin(body.parent)
             };
             let [mut moved, mut turned] = [Vector3::zeros(); 2];
+            let mut driven = [Vector3::zeros(); 2];
             for (dof, [u, w]) in self.dofs(model, i) {
                 let rate = dof.ratio * v[dof.coordinate];
                 moved += u * rate;
                 turned += w * rate;
+                if let Some(a) = a {
+                    let rate = dof.ratio * a[dof.coordinate];
+                    driven[0] += u * rate;
+                    driven[1] += w * rate;
+                }
             }
             let BodyMotion { velocity, spin, acceleration, spin_rate } = carrier;
             let carried = spin.cross(&lever);
             let own_spin = spin + turned;
-            motions.push(BodyMotion {
+            let mut motion = BodyMotion {
                 velocity: velocity + carried + moved,
                 spin: own_spin,
                 // The columns of a joint are constant in its body, and turn with it.
@@ -181,7 +205,12 @@ impl Placement {
                     + spin.cross(&(carried + moved))
                     + own_spin.cross(&moved),
                 spin_rate: spin_rate + own_spin.cross(&turned),
-            });
+            };
+            if a.is_some() {
+                motion.acceleration += driven[0];
+                motion.spin_rate += driven[1];
+            }
+            motions.push(motion);
         }
         motions
     }

@@ -6,6 +6,8 @@
 //! nothing.
 
 mod curvature;
+mod derivatives;
+mod path_number;
 mod wrapping;
 
 use std::collections::{BTreeSet, HashMap};
@@ -17,6 +19,8 @@ use self::wrapping::{Wrap, wrap};
 use crate::kinematics::body_placement::Placement;
 use crate::model::WORLD;
 use crate::{Frame, Model};
+
+pub use derivatives::{LengthDerivatives, LengthEntry};
 
 /// The path of a spatial tendon of a compiled robot.
 #[derive(Clone, Debug, PartialEq)]

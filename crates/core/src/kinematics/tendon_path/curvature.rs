@@ -5,12 +5,11 @@
 //! second derivative by time. A path that touches a surface from inside has the least length over the
 //! positions φ of the touching point, so that ℓ̈ = L_tt − Σ L_φt²/L_φφ.
 
-use core::f64::consts::TAU;
-
 use nalgebra::Vector3;
 use robot_dynamics_description::TendonSurface;
 use robot_dynamics_number::{Dual, Scalar};
 
+use super::path_number::{around, straight};
 use super::wrapping::Wrap;
 use super::{BodyPoint, BodySurface, Segment, TendonPath};
 use crate::kinematics::body_placement::{BodyMotion, Placement};
@@ -43,7 +42,7 @@ impl Segment {
             Some((surface, found))
         });
         let Some((surface, found)) = wrapped else {
-            return straight(&from, &to).acceleration();
+            return straight(&[from.components(), to.components()]).acceleration();
         };
         let (axes, origin) = surface.place(placement);
         let ends = [from, to].map(|point| surface.relative_motion(&point, placement, motions));
@@ -61,7 +60,11 @@ impl Segment {
         let around = if side.is_some_and(|side| side.norm() < surface.radius) {
             touch(&flat_ends, flat(&a), surface.kind)
         } else {
-            around(&flat_ends, surface.radius, flat_arc(&found, (a - b).z, surface.kind))
+            around(
+                &flat_ends.map(|end| end.components()),
+                surface.radius,
+                flat_arc(&found, (a - b).z, surface.kind),
+            )
         };
         match surface.kind {
             TendonSurface::Sphere => around.acceleration(),
@@ -75,44 +78,19 @@ impl Segment {
 }
 
 /// The length of the arc in the plane across the axis of a surface.
-fn flat_arc(found: &Wrap, rise: f64, kind: TendonSurface) -> f64 {
+pub(super) fn flat_arc(found: &Wrap, rise: f64, kind: TendonSurface) -> f64 {
     match kind {
         TendonSurface::Sphere => found.length,
         TendonSurface::Cylinder => (found.length * found.length - rise * rise).max(0.0).sqrt(),
     }
 }
 
-/// The distance of two points.
-fn straight(from: &PointMotion, to: &PointMotion) -> Moving {
-    let way = [0, 1, 2].map(|k| to.component(k) - from.component(k));
-    norm(&way)
-}
-
-/// The length of two tangents and an arc: √(|a|² − r²) + √(|b|² − r²) + r (θ − acos(r/|a|) − acos(r/|b|))
-/// with the angle θ from a to b on the side of the path.
-fn around([from, to]: &[PointMotion; 2], radius: f64, arc: f64) -> Moving {
-    let number = |x: f64| Moving::constant(Dual::constant(x));
-    let [a, b] = [from, to].map(|end| [0, 1, 2].map(|k| end.component(k)));
-    let cross = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
-    let between = angle(norm(&cross), dot(&a, &b));
-    let mut length = number(0.0);
-    let mut tangents = number(0.0);
-    for end in [&a, &b] {
-        let tangent = (dot(end, end) - number(radius * radius)).sqrt();
-        length += tangent;
-        tangents += angle(tangent, number(radius));
-    }
-    let shorter = radius * (between.value.value - tangents.value.value);
-    let longer = radius * (TAU - between.value.value - tangents.value.value);
-    let turned = if (shorter - arc).abs() <= (longer - arc).abs() { between } else { number(TAU) - between };
-    length + (turned - tangents) * number(radius)
-}
-
 /// The length of the shortest path from one end to the other via a sphere, or a circle about z, which it
 /// touches at `point`.
 fn touch(ends: &[PointMotion; 2], point: Vector3<f64>, kind: TendonSurface) -> Moving {
     let at_rest = PointMotion { position: point, velocity: Vector3::zeros(), acceleration: Vector3::zeros() };
-    let mut length = straight(&at_rest, &ends[0]) + straight(&at_rest, &ends[1]);
+    let way = |end: &PointMotion| straight(&[at_rest.components(), end.components()]);
+    let mut length = way(&ends[0]) + way(&ends[1]);
     // Two directions along a sphere, in the plane of the path and across it; one along a circle.
     let normal = match kind {
         TendonSurface::Sphere => ends[0].position.cross(&ends[1].position),
@@ -146,27 +124,6 @@ fn moving(value: f64, rate: f64, acceleration: f64) -> Moving {
     }
 }
 
-fn dot(a: &[Moving; 3], b: &[Moving; 3]) -> Moving {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: &[Moving; 3]) -> Moving {
-    let square = dot(a, a);
-    // The derivatives are not defined for a vector of zeros.
-    if square.value.value == 0.0 { Moving::constant(Dual::constant(0.0)) } else { square.sqrt() }
-}
-
-/// The angle whose sine and cosine have this ratio.
-fn angle(sine: Moving, cosine: Moving) -> Moving {
-    let inner = |sine: Dual<f64, 1>, cosine: Dual<f64, 1>| {
-        let square = sine.value * sine.value + cosine.value * cosine.value;
-        let rate = (cosine.value * sine.gradient[0] - sine.value * cosine.gradient[0]) / square;
-        Dual { value: sine.value.atan2(cosine.value), gradient: [rate] }
-    };
-    let (s, c) = (sine.value, cosine.value);
-    Dual { value: inner(s, c), gradient: [(c * sine.gradient[0] - s * cosine.gradient[0]) / (s * s + c * c)] }
-}
-
 /// The second derivative by time.
 trait Acceleration {
     fn acceleration(&self) -> f64;
@@ -181,6 +138,10 @@ impl Acceleration for Moving {
 impl PointMotion {
     fn component(&self, k: usize) -> Moving {
         moving(self.position[k], self.velocity[k], self.acceleration[k])
+    }
+
+    fn components(&self) -> [Moving; 3] {
+        [0, 1, 2].map(|k| self.component(k))
     }
 }
 
