@@ -13,6 +13,8 @@
 //! | `position` | a position that a polynomial couples: of joints, or the length of a tendon |
 //! | `relation` | an equality with its rows, of sites or of positions |
 //! | `rows` | all rows of a robot |
+//! | `row_derivatives` | the derivatives of all rows by q and v |
+//! | `site_derivatives` | those of rows between sites |
 //! | `error` | the errors of constraints and of motions with them |
 
 pub(crate) mod direction;
@@ -20,5 +22,7 @@ pub(crate) mod error;
 pub(crate) mod polynomial;
 pub(crate) mod position;
 pub(crate) mod relation;
+pub(crate) mod row_derivatives;
 pub(crate) mod rows;
 pub(crate) mod site;
+mod site_derivatives;

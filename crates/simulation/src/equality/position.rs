@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_core::kinematics::tendon_path::TendonPath;
+use robot_dynamics_core::kinematics::tendon_path::{LengthDerivatives, LengthEntry, TendonPath};
 
 use crate::placement::{BodyMotion, Placement};
 
@@ -96,6 +96,37 @@ impl CoupledPosition {
                 let rate = row.iter().zip(v).map(|(entry, v)| entry * v).sum();
                 [rate, path.bias_acceleration(placement, motions)]
             }
+        }
+    }
+
+    /// Its first two derivatives by time, and their derivatives by q and v, in a motion with the state q, v
+    /// and the acceleration a. `motions` are those of the bodies, if it needs their placement.
+    pub(crate) fn derivatives(
+        &self,
+        model: &Model,
+        (placement, motions): (&Placement, &[BodyMotion]),
+        [_, v, a]: [&[f64]; 3],
+    ) -> LengthDerivatives {
+        match self {
+            Self::Joints(sum) => {
+                let entry = |(coordinate, slope)| LengthEntry { coordinate, slope, ..LengthEntry::default() };
+                let entries = sum.terms().map(entry).collect();
+                LengthDerivatives { rate: sum.rate(v), second: sum.rate(a), entries }
+            }
+            Self::Path { path, .. } => path.derivatives(model, placement, motions),
+        }
+    }
+
+    /// Calls `add` with the entries (i, j) of the derivative of its row by q.
+    pub(crate) fn row_derivative(
+        &self,
+        model: &Model,
+        (placement, motions): (&Placement, &[BodyMotion]),
+        add: impl FnMut(usize, usize, f64),
+    ) {
+        match self {
+            Self::Joints(_) => {}
+            Self::Path { path, .. } => path.row_derivative(model, placement, motions, add),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
 
+use super::direction::DirectionalRow;
 use super::relation::Relation;
 use crate::placement::{BodyMotion, Placement};
 
@@ -23,8 +24,8 @@ clone_in_place! {
     /// All rows of a robot's equalities.
     #[derive(Debug)]
     pub(crate) struct EqualityRows {
-        placement: Placement,
-        relations: Arc<[RelationRows]>,
+        pub(super) placement: Placement,
+        pub(super) relations: Arc<[RelationRows]>,
         rows: Vec<EqualityRow>,
         /// Derivatives of a length by all coordinates.
         derivatives: Vec<f64>,
@@ -33,12 +34,12 @@ clone_in_place! {
 
 /// A relation, and the place of its rows.
 #[derive(Debug)]
-struct RelationRows {
-    relation: Relation,
+pub(super) struct RelationRows {
+    pub(super) relation: Relation,
     /// The index of its first row.
-    first: usize,
+    pub(super) first: usize,
     /// The body that carries both sites, or the world.
-    common: usize,
+    pub(super) common: usize,
 }
 
 impl EqualityRows {
@@ -74,7 +75,7 @@ impl EqualityRows {
                 Relation::Sites(sites, directions) => {
                     let places = [&sites[0], &sites[1]].map(|site| site.place(placement));
                     for (row, direction) in rows[*first..].iter_mut().zip(directions) {
-                        let directional = direction.row(&places);
+                        let directional: DirectionalRow = direction.row(&places);
                         row.begin(directional.error);
                         for (site, sign) in [(&sites[1], 1.0), (&sites[0], -1.0)] {
                             let (ends, point) = ([site.body, *common], directional.point);
@@ -116,7 +117,7 @@ impl EqualityRows {
                     let places = [&sites[0], &sites[1]].map(|site| site.place(&self.placement));
                     let moving = [&sites[0], &sites[1]].map(|site| site.motion(&self.placement, motions));
                     for (bias, direction) in bias[*first..].iter_mut().zip(directions) {
-                        *bias = direction.bias(&places, &moving);
+                        *bias = direction.acceleration(&places, &moving);
                     }
                 }
                 Relation::Polynomial(relation) => {

@@ -5,7 +5,7 @@ use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_description::Pose;
 
-use crate::placement::{BodyMotion, Placement};
+use crate::placement::{BodyMotion, Placement, VectorNumber};
 
 /// A frame on a body, or in the world.
 #[derive(Clone, Debug)]
@@ -18,9 +18,9 @@ pub(crate) struct Site {
 
 /// The axes of a site, as columns, and its origin in the world.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SitePlace {
-    pub(crate) axes: Matrix3<f64>,
-    pub(crate) origin: Vector3<f64>,
+pub(crate) struct SitePlace<S = f64> {
+    pub(crate) axes: Matrix3<S>,
+    pub(crate) origin: Vector3<S>,
 }
 
 impl Site {
@@ -44,7 +44,7 @@ impl Site {
         SitePlace { axes: rotation * self.rotation, origin: origin + rotation * self.translation }
     }
 
-    /// The motion of the site's origin, given the motions of all bodies at v̇ = 0.
+    /// The motion of the site's origin, given the motions of all bodies.
     pub(crate) fn motion(&self, placement: &Placement, motions: &[BodyMotion]) -> BodyMotion {
         if self.body == WORLD {
             return BodyMotion::default();
@@ -53,9 +53,9 @@ impl Site {
     }
 }
 
-impl SitePlace {
+impl<S: VectorNumber> SitePlace<S> {
     /// Axis k.
-    pub(crate) fn axis(&self, k: usize) -> Vector3<f64> {
+    pub(crate) fn axis(&self, k: usize) -> Vector3<S> {
         self.axes.column(k).into()
     }
 }
