@@ -139,9 +139,14 @@ pub mod derivatives {
         parameter_values, with_parameters,
     };
     pub use robot_dynamics_simulation::{
-        LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, Rollout,
-        RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents, linearize_by_differences,
-        linearize_step, rollout_pullback, step_pullback,
+        ConstrainedMotionDerivatives, ConstrainedMotionPullback, ConstrainedPullbackInputs,
+        ConstrainedTorqueDerivatives, ConstrainedTorquePullback, ConstrainedTorquePullbackInputs,
+        ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs, LinearizeStepWorkspace,
+        LinearizedStep, MotionCotangents, RobotState, Rollout, RolloutPullbackWorkspace,
+        StepPullbackWorkspace, TrajectoryCotangents, constrained_forward_dynamics_derivatives,
+        constrained_forward_dynamics_pullback, constrained_inverse_dynamics_derivatives,
+        constrained_inverse_dynamics_pullback, contact_impulse_derivatives, contact_impulse_pullback,
+        linearize_by_differences, linearize_step, rollout_pullback, step_pullback,
     };
 }
 

@@ -16,6 +16,7 @@
 mod anchor;
 mod constraint;
 mod coupling;
+mod derivatives;
 mod drift;
 mod forward_dynamics;
 mod frame_constraint;
@@ -41,6 +42,14 @@ pub use crate::equality::error::{ConstraintError, NamedDependentRow};
 pub use anchor::{Anchor, SpatialAxis};
 pub use constraint::Constraint;
 pub use coupling::Coupling;
+pub use derivatives::{
+    ConstrainedMotionDerivatives, ConstrainedMotionPullback, ConstrainedPullbackInputs,
+    ConstrainedTorqueDerivatives, ConstrainedTorquePullback, ConstrainedTorquePullbackInputs,
+    ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs,
+    constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
+    constrained_inverse_dynamics_derivatives, constrained_inverse_dynamics_pullback,
+    contact_impulse_derivatives, contact_impulse_pullback,
+};
 pub use drift::{ConstraintDrift, constraint_drift};
 pub use forward_dynamics::{ConstrainedMotion, constrained_forward_dynamics};
 pub use frame_constraint::FrameConstraint;

@@ -75,42 +75,68 @@ pub fn constrained_forward_dynamics(
     v: &[f64],
     tau: &[f64],
 ) -> Result<ConstrainedMotion, ConstraintError> {
-    workspace.check_inputs(model, q);
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), model.nv());
-    check_length("tau", tau.len(), model.nv());
-    for (quantity, values) in [("q", q), ("v", v), ("tau", tau)] {
-        check_finite(quantity, values)?;
+    Ok(SolvedMotion::new(model, workspace, (set, options), [q, v, tau])?.motion)
+}
+
+/// A constrained motion with the rows and the factors that gave it.
+pub(super) struct SolvedMotion {
+    pub motion: ConstrainedMotion,
+    pub rows: ConstraintRows,
+    pub mass: MassFactor,
+    pub factor: RowFactor,
+}
+
+impl SolvedMotion {
+    /// The motion at (q, v, τ).
+    #[track_caller]
+    pub(super) fn new(
+        model: &Model,
+        workspace: &mut Workspace,
+        (set, options): (&ConstraintSet, &ConstraintOptions),
+        [q, v, tau]: [&[f64]; 3],
+    ) -> Result<Self, ConstraintError> {
+        workspace.check_inputs(model, q);
+        check_length("q", q.len(), model.nq());
+        check_length("v", v.len(), model.nv());
+        check_length("tau", tau.len(), model.nv());
+        for (quantity, values) in [("q", q), ("v", v), ("tau", tau)] {
+            check_finite(quantity, values)?;
+        }
+        options.check()?;
+        let rows = set.rows(model, workspace, q, v);
+        let mut force = DVector::zeros(model.nv());
+        bias(model, workspace, q, v, force.as_mut_slice());
+        force = DVector::from_column_slice(tau) - force;
+        check_computed("τ − C v − g", force.as_slice())?;
+        let mass = MassFactor::new(model, workspace, q)?;
+        let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+        let dependent = factor.allowed_dependent_rows(set, options)?;
+        let target = target(&rows, v, options);
+        let Solution { acceleration, mut multipliers, free } =
+            solve(&mass, &factor, &rows.matrix, &force, &target);
+        if let (RedundantRows::Proximal { damping }, false) = (options.redundant, dependent.is_empty()) {
+            multipliers = shortest_multipliers(
+                &factor,
+                &(&factor.triangle * factor_part(&factor, &multipliers)),
+                damping,
+            );
+        }
+        check_computed("the acceleration", acceleration.as_slice())?;
+        check_computed("the multipliers", multipliers.as_slice())?;
+        let missed = &rows.matrix * &acceleration - &target;
+        let residual = missed.amax_or_zero();
+        // The rows' terms bound the rounding of their sum. If the constraint prevents all motion, the bound
+        // is that of the unconstrained acceleration.
+        let entry = rows.matrix.abs().amax_or_zero();
+        let scale = target.amax_or_zero() + entry * acceleration.abs().sum();
+        let rounding = 64.0 * f64::EPSILON * entry * free;
+        if let Some(worst) = missed.iter().position(|x| x.abs() > 1e-4 * scale + rounding) {
+            return Err(ConstraintError::Inconsistent { name: set.row_names()[worst].clone(), residual });
+        }
+        let rank = factor.rank();
+        let motion = ConstrainedMotion { acceleration, multipliers, rank, dependent, residual };
+        Ok(Self { motion, rows, mass, factor })
     }
-    options.check()?;
-    let rows = set.rows(model, workspace, q, v);
-    let mut force = DVector::zeros(model.nv());
-    bias(model, workspace, q, v, force.as_mut_slice());
-    force = DVector::from_column_slice(tau) - force;
-    check_computed("τ − C v − g", force.as_slice())?;
-    let mass = MassFactor::new(model, workspace, q)?;
-    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
-    let dependent = factor.allowed_dependent_rows(set, options)?;
-    let target = target(&rows, v, options);
-    let Solution { acceleration, mut multipliers, free } =
-        solve(&mass, &factor, &rows.matrix, &force, &target);
-    if let (RedundantRows::Proximal { damping }, false) = (options.redundant, dependent.is_empty()) {
-        multipliers =
-            shortest_multipliers(&factor, &(&factor.triangle * factor_part(&factor, &multipliers)), damping);
-    }
-    check_computed("the acceleration", acceleration.as_slice())?;
-    check_computed("the multipliers", multipliers.as_slice())?;
-    let missed = &rows.matrix * &acceleration - &target;
-    let residual = missed.amax_or_zero();
-    // The rows' terms bound the rounding of their sum. If the constraint prevents all motion, the bound is
-    // that of the unconstrained acceleration.
-    let entry = rows.matrix.abs().amax_or_zero();
-    let scale = target.amax_or_zero() + entry * acceleration.abs().sum();
-    let rounding = 64.0 * f64::EPSILON * entry * free;
-    if let Some(worst) = missed.iter().position(|x| x.abs() > 1e-4 * scale + rounding) {
-        return Err(ConstraintError::Inconsistent { name: set.row_names()[worst].clone(), residual });
-    }
-    Ok(ConstrainedMotion { acceleration, multipliers, rank: factor.rank(), dependent, residual })
 }
 
 /// −Ȧv − 2γ A v − γ² φ.

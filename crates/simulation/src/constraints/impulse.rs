@@ -4,12 +4,12 @@
 //! 1 loses energy, e = 1 conserves it. All rows take part at once; contacts that separate need the cone
 //! problem.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::check_number;
 
-use super::row_factor::factor_rows;
+use super::row_factor::{FactoredRows, MassFactor, RowFactor, factor_rows};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The result of an impact.
@@ -69,18 +69,41 @@ pub fn contact_impulse(
     v: &[f64],
     restitution: f64,
 ) -> Result<ContactImpulse, ConstraintError> {
-    check_number("the restitution", restitution)?;
-    assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
-    let (mass, factor) = factor_rows(model, workspace, (set, options), (q, v))?;
-    let before = DVector::from_column_slice(v);
-    let forbidden = &factor.forces * &before * (1.0 + restitution);
-    let impulse = -factor.solve_triangle_transposed(&forbidden);
-    let jump = factor.responses.tr_mul(&forbidden);
-    // K⁻ − K⁺ = ½ (v⁻ − v⁺)ᵀM(v⁻ + v⁺), without the difference of two energies.
-    let energy_lost = 0.5 * jump.dot(&(&mass.mass * (&before * 2.0 - &jump)));
-    let velocity = if restitution == 0.0 { factor.project_velocity(&before) } else { before - jump };
-    check_computed("v after the impact", velocity.as_slice())?;
-    check_computed("the impulse", impulse.as_slice())?;
-    check_number("the energy lost", energy_lost)?;
-    Ok(ContactImpulse { velocity, impulse, energy_lost, rank: factor.rank() })
+    Ok(SolvedImpact::new(model, workspace, (set, options), (q, v), restitution)?.impact)
+}
+
+/// An impact with the rows and the factors that gave it.
+pub(super) struct SolvedImpact {
+    pub impact: ContactImpulse,
+    /// A.
+    pub rows: DMatrix<f64>,
+    pub mass: MassFactor,
+    pub factor: RowFactor,
+}
+
+impl SolvedImpact {
+    #[track_caller]
+    pub(super) fn new(
+        model: &Model,
+        workspace: &mut Workspace,
+        (set, options): (&ConstraintSet, &ConstraintOptions),
+        (q, v): (&[f64], &[f64]),
+        restitution: f64,
+    ) -> Result<Self, ConstraintError> {
+        check_number("the restitution", restitution)?;
+        assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
+        let FactoredRows { rows, mass, factor } = factor_rows(model, workspace, (set, options), (q, v))?;
+        let before = DVector::from_column_slice(v);
+        let forbidden = &factor.forces * &before * (1.0 + restitution);
+        let impulse = -factor.solve_triangle_transposed(&forbidden);
+        let jump = factor.responses.tr_mul(&forbidden);
+        // K⁻ − K⁺ = ½ (v⁻ − v⁺)ᵀM(v⁻ + v⁺), without the difference of two energies.
+        let energy_lost = 0.5 * jump.dot(&(&mass.mass * (&before * 2.0 - &jump)));
+        let velocity = if restitution == 0.0 { factor.project_velocity(&before) } else { before - jump };
+        check_computed("v after the impact", velocity.as_slice())?;
+        check_computed("the impulse", impulse.as_slice())?;
+        check_number("the energy lost", energy_lost)?;
+        let impact = ContactImpulse { velocity, impulse, energy_lost, rank: factor.rank() };
+        Ok(Self { impact, rows: rows.matrix, mass, factor })
+    }
 }

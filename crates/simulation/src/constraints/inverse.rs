@@ -74,30 +74,52 @@ pub fn constrained_inverse_dynamics(
     a: &[f64],
     actuated: &[bool],
 ) -> Result<ConstrainedTorque, ConstraintError> {
-    workspace.check_inputs(model, q);
-    let nv = model.nv();
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), nv);
-    check_length("a", a.len(), nv);
-    for (quantity, values) in [("q", q), ("v", v), ("a", a)] {
-        check_finite(quantity, values)?;
+    Ok(SolvedTorque::new(model, workspace, set, [q, v, a], actuated)?.torque)
+}
+
+/// The torques of a motion, with the rows and the forces that gave them.
+pub(super) struct SolvedTorque {
+    pub torque: ConstrainedTorque,
+    /// A.
+    pub rows: DMatrix<f64>,
+    /// M a + C v + g.
+    pub force: DVector<f64>,
+}
+
+impl SolvedTorque {
+    #[track_caller]
+    pub(super) fn new(
+        model: &Model,
+        workspace: &mut Workspace,
+        set: &ConstraintSet,
+        [q, v, a]: [&[f64]; 3],
+        actuated: &[bool],
+    ) -> Result<Self, ConstraintError> {
+        workspace.check_inputs(model, q);
+        let nv = model.nv();
+        check_length("q", q.len(), model.nq());
+        check_length("v", v.len(), nv);
+        check_length("a", a.len(), nv);
+        for (quantity, values) in [("q", q), ("v", v), ("a", a)] {
+            check_finite(quantity, values)?;
+        }
+        check_length("the list of actuated coordinates", actuated.len(), nv);
+        let rows = set.rows(model, workspace, q, v);
+        rows.check(set.row_names())?;
+        let rows = rows.matrix;
+        let mut force = DVector::zeros(nv);
+        inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
+        check_computed("M a + C v + g", force.as_slice())?;
+        let range = ConstraintForces::new(&rows);
+        let along = range.components(&force, actuated);
+        let rest = &force - &range.basis * &along;
+        let multipliers = range.multipliers(&rows, &along);
+        let tau = DVector::from_fn(nv, |i, _| if actuated[i] { rest[i] } else { 0.0 });
+        let residual = (rest - &tau).amax_or_zero();
+        check_computed("the torque", tau.as_slice())?;
+        check_computed("the multipliers", multipliers.as_slice())?;
+        Ok(Self { torque: ConstrainedTorque { tau, multipliers, residual }, rows, force })
     }
-    check_length("the list of actuated coordinates", actuated.len(), nv);
-    let rows = set.rows(model, workspace, q, v);
-    rows.check(set.row_names())?;
-    let rows = rows.matrix;
-    let mut force = DVector::zeros(nv);
-    inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
-    check_computed("M a + C v + g", force.as_slice())?;
-    let range = ConstraintForces::new(&rows);
-    let along = range.components(&force, actuated);
-    let rest = &force - &range.basis * &along;
-    let multipliers = range.multipliers(&rows, &along);
-    let tau = DVector::from_fn(nv, |i, _| if actuated[i] { rest[i] } else { 0.0 });
-    let residual = (rest - &tau).amax_or_zero();
-    check_computed("the torque", tau.as_slice())?;
-    check_computed("the multipliers", multipliers.as_slice())?;
-    Ok(ConstrainedTorque { tau, multipliers, residual })
 }
 
 /// The forces Aᵀλ in an orthonormal basis: Aᵀλ = U μ.
@@ -105,9 +127,9 @@ pub fn constrained_inverse_dynamics(
 /// Rows that depend on others are left out here, once. In U no direction is small. If U μ does not act on the
 /// coordinates without motors, it acts on the others with the length |μ|. No other rank decision on rounded
 /// numbers is needed.
-struct ConstraintForces {
+pub(super) struct ConstraintForces {
     /// U, nv × rank A.
-    basis: DMatrix<f64>,
+    pub basis: DMatrix<f64>,
 }
 
 /// A singular value below this fraction of the largest is 0, for rows of length 1. Like
@@ -116,7 +138,7 @@ struct ConstraintForces {
 const DEPENDENCE: f64 = 1e-9;
 
 impl ConstraintForces {
-    fn new(rows: &DMatrix<f64>) -> Self {
+    pub(super) fn new(rows: &DMatrix<f64>) -> Self {
         let nv = rows.ncols();
         let longest = rows.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
         let unit: Vec<_> = rows
@@ -159,18 +181,18 @@ impl ConstraintForces {
 }
 
 /// B = U Σ Vᵀ, split at the smallest singular value above rounding.
-struct SingularValueSplit {
+pub(super) struct SingularValueSplit {
     /// The columns of U that span the range of B.
     range: DMatrix<f64>,
     /// An orthonormal basis of the x with B x = 0.
-    null: DMatrix<f64>,
+    pub null: DMatrix<f64>,
     /// V Σ⁻¹: times `range`ᵀ the pseudo-inverse of B.
-    pseudo_inverse: DMatrix<f64>,
+    pub pseudo_inverse: DMatrix<f64>,
 }
 
 impl SingularValueSplit {
     /// Splits a B whose columns have at most length 1, so that singular values are compared with 1.
-    fn of(b: &DMatrix<f64>) -> Self {
+    pub(super) fn of(b: &DMatrix<f64>) -> Self {
         let (m, n) = b.shape();
         if m == 0 || n == 0 {
             let empty = DMatrix::zeros(n, 0);

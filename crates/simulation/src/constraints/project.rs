@@ -11,7 +11,7 @@ use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_number};
 
 use super::forward_dynamics::LargestEntry;
-use super::row_factor::{MassFactor, RowFactor, factor_rows};
+use super::row_factor::{FactoredRows, MassFactor, RowFactor, factor_rows};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The most Gauss–Newton steps of a projection; near the constraint it takes three.
@@ -170,7 +170,7 @@ pub fn project_velocity(
     q: &[f64],
     v: &mut [f64],
 ) -> Result<f64, ConstraintError> {
-    let (mass, factor) = factor_rows(model, workspace, (set, options), (q, v))?;
+    let FactoredRows { mass, factor, .. } = factor_rows(model, workspace, (set, options), (q, v))?;
     let before = DVector::from_column_slice(v);
     let allowed = factor.project_velocity(&before);
     let removed = before - &allowed;

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_integrators::check_computed;
 
-use super::row_factor::factor_rows;
+use super::row_factor::{FactoredRows, factor_rows};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// P_u on forces and P on velocities, both nv×nv of rank nv − rank A.
@@ -61,7 +61,7 @@ pub fn constraint_projections(
     q: &[f64],
 ) -> Result<TreeProjections, ConstraintError> {
     let nv = model.nv();
-    let (_, factor) = factor_rows(model, workspace, (set, options), (q, &vec![0.0; nv]))?;
+    let FactoredRows { factor, .. } = factor_rows(model, workspace, (set, options), (q, &vec![0.0; nv]))?;
     // With A = T E the middle factor cancels: P_u = 1 − Eᵀ E M⁻¹.
     let force = DMatrix::identity(nv, nv) - factor.forces.tr_mul(&factor.responses);
     check_computed("the projection", force.as_slice())?;

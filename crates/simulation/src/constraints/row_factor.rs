@@ -4,7 +4,7 @@
 //! number is the square of T's. Dependent rows get a zero row in E and are listed. Cost: O(K² nv + K nv
 //! depth). Source: Golub, Van Loan, *Matrix Computations* (2013), ch. 5.2.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView, DVectorViewMut};
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
 use robot_dynamics_description::check_length;
@@ -38,6 +38,21 @@ impl MassFactor {
         sparse::solve(&self.dof_parent, &self.lower, x.as_mut_slice());
         x
     }
+
+    /// M⁻¹ F, column by column.
+    pub(super) fn solve_columns(&self, mut forces: DMatrix<f64>) -> DMatrix<f64> {
+        for mut column in forces.column_iter_mut() {
+            sparse::solve(&self.dof_parent, &self.lower, column.as_mut_slice());
+        }
+        forces
+    }
+}
+
+/// The rows at a state, M and their factors.
+pub(super) struct FactoredRows {
+    pub rows: ConstraintRows,
+    pub mass: MassFactor,
+    pub factor: RowFactor,
 }
 
 /// Checks the options and the state, and factors M and the rows there.
@@ -53,7 +68,7 @@ pub(super) fn factor_rows(
     workspace: &mut Workspace,
     (set, options): (&ConstraintSet, &ConstraintOptions),
     (q, v): (&[f64], &[f64]),
-) -> Result<(MassFactor, RowFactor), ConstraintError> {
+) -> Result<FactoredRows, ConstraintError> {
     workspace.check_inputs(model, q);
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
@@ -63,7 +78,7 @@ pub(super) fn factor_rows(
     let rows = set.rows(model, workspace, q, v);
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
-    Ok((mass, factor))
+    Ok(FactoredRows { rows, mass, factor })
 }
 
 /// A = T E with T lower triangular (K×K) and the non-zero rows of E orthonormal in M⁻¹.
@@ -189,19 +204,47 @@ impl RowFactor {
     /// x of T x = y on the independent rows, 0 on the others.
     pub(super) fn solve_triangle(&self, y: &DVector<f64>) -> DVector<f64> {
         let mut x = DVector::zeros(y.len());
-        for &i in &self.independent {
-            let before: f64 = self.triangle.row(i).iter().zip(x.iter()).take(i).map(|(t, x)| t * x).sum();
-            x[i] = (y[i] - before) / self.triangle[(i, i)];
-        }
+        self.solve_triangle_into(y.column(0), x.column_mut(0));
         x
     }
 
     /// x of Tᵀ x = y on the independent rows, 0 on the others.
     pub(super) fn solve_triangle_transposed(&self, y: &DVector<f64>) -> DVector<f64> {
         let mut x = DVector::zeros(y.len());
+        self.solve_transposed_into(y.column(0), x.column_mut(0));
+        x
+    }
+
+    /// The same into an x of zeros.
+    fn solve_triangle_into(&self, y: DVectorView<'_, f64>, mut x: DVectorViewMut<'_, f64>) {
+        for &i in &self.independent {
+            let before: f64 = self.triangle.row(i).iter().zip(x.iter()).take(i).map(|(t, x)| t * x).sum();
+            x[i] = (y[i] - before) / self.triangle[(i, i)];
+        }
+    }
+
+    /// The same into an x of zeros.
+    fn solve_transposed_into(&self, y: DVectorView<'_, f64>, mut x: DVectorViewMut<'_, f64>) {
         for &i in self.independent.iter().rev() {
             let after: f64 = (i + 1..y.len()).map(|k| self.triangle[(k, i)] * x[k]).sum();
             x[i] = (y[i] - after) / self.triangle[(i, i)];
+        }
+    }
+
+    /// [`solve_triangle`](Self::solve_triangle) for each column.
+    pub(super) fn solve_triangle_columns(&self, y: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut x = DMatrix::zeros(y.nrows(), y.ncols());
+        for (x, y) in x.column_iter_mut().zip(y.column_iter()) {
+            self.solve_triangle_into(y, x);
+        }
+        x
+    }
+
+    /// [`solve_triangle_transposed`](Self::solve_triangle_transposed) for each column.
+    pub(super) fn solve_transposed_columns(&self, y: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut x = DMatrix::zeros(y.nrows(), y.ncols());
+        for (x, y) in x.column_iter_mut().zip(y.column_iter()) {
+            self.solve_transposed_into(y, x);
         }
         x
     }

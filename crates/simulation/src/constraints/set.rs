@@ -198,8 +198,7 @@ impl ConstraintSet {
             position_error: DVector::zeros(count),
             holonomic: vec![false; count],
         };
-        let Some(mut equalities) = self.equalities.clone() else { return rows };
-        equalities.place(model, workspace, q);
+        let Some(equalities) = self.placed(model, workspace, q) else { return rows };
         rows.bias = equalities.bias(model, q, v).into();
         for (i, row) in equalities.rows().iter().enumerate() {
             row.terms.iter().for_each(|&(k, factor)| rows.matrix[(i, k)] = factor);
@@ -207,6 +206,15 @@ impl ConstraintSet {
             rows.holonomic[i] = row.error.is_some();
         }
         rows
+    }
+}
+
+impl ConstraintSet {
+    /// The rows at q; `None` for the empty default set.
+    pub(super) fn placed(&self, model: &Model, workspace: &mut Workspace, q: &[f64]) -> Option<EqualityRows> {
+        let mut equalities = self.equalities.clone()?;
+        equalities.place(model, workspace, q);
+        Some(equalities)
     }
 }
 

@@ -7,6 +7,7 @@ mod common;
 
 mod constrained_motion;
 mod constrained_variational;
+mod derivatives;
 mod examples;
 mod inverse;
 mod row_jacobians;
