@@ -264,7 +264,7 @@ fn forward_pullback_by_parameters_is_the_limit_of_differences() {
         let values = parameter_values(&model);
         // The last three parameters are gravity; the first ten belong to a link.
         for k in [0, 1, 4, values.len() - 1, values.len() - 2] {
-            let mut loss = |h: f64| {
+            let loss = |h: f64| {
                 let changed = with_parameters(&model, &shifted(&values, k, h)).expect("a valid robot");
                 let changed = Model::new(changed).expect("a valid robot");
                 let mut random = SplitMix64::new(seed);
