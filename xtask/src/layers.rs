@@ -29,7 +29,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
             "thiserror",
         ],
     ),
-    ("control", &["core", "description", "nalgebra", "number", "simulation", "thiserror"]),
+    ("control", &["core", "description", "integrators", "nalgebra", "number", "simulation", "thiserror"]),
     (
         "batch",
         &["core", "description", "integrators", "native", "number", "rayon", "simulation", "thiserror"],

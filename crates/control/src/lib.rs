@@ -4,6 +4,7 @@ mod identification;
 mod inverse_kinematics;
 mod lqr;
 mod operational_space;
+pub mod optimal;
 mod time_parameterization;
 
 pub use identification::{

@@ -20,7 +20,7 @@
 //! | [`derivatives`] | derivatives of the recursions and of steps; gradients pulled back |
 //! | [`mod@simulation`], [`Robot::simulation`] | everything that the file states, step by step |
 //! | [`contact`], [`constraints`] | contact, closed loops, rolling, supports |
-//! | [`control`] | inverse kinematics, operational space, LQR, time-optimal paths, identification |
+//! | [`control`] | inverse kinematics, operational space, LQR, optimal control, time-optimal paths, identification |
 //! | `batch`, with the feature `batch` | many states at once: lanes and threads |
 //! | [`quantity`] | the algorithms as a table |
 //! | [`verification`] | independent routes to the same numbers, and the audit of a robot |
@@ -207,7 +207,8 @@ pub mod control {
         ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl, TaskGains,
         TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr,
         inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
-        operational_space_into, path_coefficients, physical_consistency, pseudo_inertia, time_optimal,
+        operational_space_into, optimal, path_coefficients, physical_consistency, pseudo_inertia,
+        time_optimal,
     };
 }
 

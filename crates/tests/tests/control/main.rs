@@ -6,5 +6,6 @@ mod common;
 mod actuated;
 mod inverse_kinematics;
 mod operational_space;
+mod optimal;
 mod owning_controllers;
 mod time_optimal;

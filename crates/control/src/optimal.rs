@@ -1,0 +1,33 @@
+//! Optimal control: the controls u₀ … u_{N−1} that minimize a cost along x_{k+1} = f_k(x_k, u_k).
+//!
+//! > minimize Σₖ ℓ_k(x_k, u_k) + ℓ_N(x_N)  with  x₀ given,  x_{k+1} = f_k(x_k, u_k),  u̲_k ≤ u_k ≤ ū_k
+//!
+//! A state x = (q, v) lies on the robot's configuration manifold; its differences have 2nv numbers.
+//! [`DiscreteDynamics`] gives f, [`Cost`] sums terms ½ Σ w r² of [`Residual`]s, [`Problem`] joins them.
+//!
+//! Source: Mastalli, Budhiraja, Merkt, Saurel, Hammoud, Naveau, Carpentier, Righetti, Vijayakumar, Mansard,
+//! *Crocoddyl: an efficient and versatile framework for multi-contact optimal control*, ICRA 2020.
+
+mod box_qp;
+mod control_bounds;
+mod cost;
+mod dense;
+mod dynamics;
+mod error;
+mod problem;
+mod residual;
+mod solver;
+mod state_space;
+
+pub use control_bounds::ControlBounds;
+pub use cost::{Activation, Cost, CostExpansion, CostTerm, LeastSquares, Weights};
+pub use dynamics::{ActuationMatrix, DiscreteDynamics, LinearDynamics, LinearizedDynamics, SmoothStep};
+pub use error::{Evaluation, OptimalControlError};
+pub use problem::Problem;
+pub use residual::{
+    CenterOfMassResidual, ControlResidual, DifferentiatedResidual, FramePlacementResidual,
+    FrameRotationResidual, FrameTranslationResidual, FrameVelocityResidual, Residual, ResidualFunction,
+    ResidualInputs, ResidualJacobian, StateResidual,
+};
+pub use solver::{Fddp, FddpOptions, FddpReport, IterationRecord, Termination};
+pub use state_space::StateSpace;

@@ -1,0 +1,92 @@
+//! The functions of a node: one step, the cost, and the linear-quadratic model, in several threads.
+
+use super::memory::{NodeModel, Trajectory};
+use crate::optimal::dynamics::LinearizedDynamics;
+use crate::optimal::error::{Evaluation, OptimalControlError};
+use crate::optimal::problem::Problem;
+use robot_dynamics_number::check_result;
+use robot_dynamics_simulation::StepError;
+
+impl Problem {
+    /// f(x, u) of a node.
+    pub(super) fn step(
+        &mut self,
+        node: usize,
+        x: &[f64],
+        u: &[f64],
+        next: &mut [f64],
+    ) -> Result<(), OptimalControlError> {
+        let index = self.nodes[node].dynamics;
+        self.dynamics[index].step(x, u, next).map_err(failed(node, Evaluation::Dynamics))
+    }
+
+    /// The cost of a node, the terminal one included.
+    pub(super) fn cost(&mut self, node: usize, x: &[f64], u: &[f64]) -> Result<f64, OptimalControlError> {
+        let failed = failed(node, Evaluation::Cost);
+        let cost = match self.nodes.get(node) {
+            Some(of_node) => self.costs[of_node.cost].value(x, u),
+            None => self.terminal_cost().value(x, u),
+        };
+        let cost = cost.and_then(|cost| Ok(check_result("the cost", &[cost]).map(|()| cost)?));
+        cost.map_err(failed)
+    }
+
+    /// The model of a node, the terminal one included.
+    fn linearize(
+        &mut self,
+        node: usize,
+        x: &[f64],
+        u: &[f64],
+        model: &mut NodeModel,
+    ) -> Result<(), OptimalControlError> {
+        let cost = match self.nodes.get(node) {
+            Some(of_node) => {
+                let derivatives = LinearizedDynamics { by_state: &mut model.a, by_control: &mut model.b };
+                let linearized = self.dynamics[of_node.dynamics].linearize(x, u, derivatives);
+                linearized.map_err(failed(node, Evaluation::Linearization))?;
+                &mut self.costs[of_node.cost]
+            }
+            None => self.terminal_cost(),
+        };
+        let expanded = cost.expand(x, u, model.expansion());
+        let expanded = expanded.and_then(|_| {
+            let gradients = model.state_gradient.iter().chain(&model.control_gradient);
+            Ok(check_result("the gradient of the cost", gradients)?)
+        });
+        expanded.map_err(failed(node, Evaluation::Cost))
+    }
+}
+
+fn failed(node: usize, evaluation: Evaluation) -> impl Fn(StepError) -> OptimalControlError {
+    move |cause| OptimalControlError::Node { node, evaluation, cause }
+}
+
+/// Computes the models of all nodes along a trajectory; each worker of several takes a range of them.
+pub(super) fn linearize_nodes(
+    workers: &mut [Problem],
+    trajectory: &Trajectory,
+    models: &mut [NodeModel],
+) -> Result<(), OptimalControlError> {
+    let share = models.len().div_ceil(workers.len());
+    let linearize = |worker: &mut Problem, first: usize, models: &mut [NodeModel]| {
+        let mut nodes = models.iter_mut().zip(first..);
+        nodes.try_for_each(|(model, node)| {
+            worker.linearize(node, trajectory.state(node), trajectory.control(node), model)
+        })
+    };
+    if let [worker] = workers {
+        return linearize(worker, 0, models);
+    }
+    let ranges = models.chunks_mut(share).zip(workers.iter_mut()).enumerate();
+    std::thread::scope(|scope| {
+        let start = |(index, (models, worker))| {
+            let linearize = &linearize;
+            scope.spawn(move || linearize(worker, index * share, models))
+        };
+        let threads: Vec<_> = ranges.map(start).collect();
+        // The first error is that of the first node.
+        threads
+            .into_iter()
+            .try_for_each(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
+}
