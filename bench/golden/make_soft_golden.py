@@ -27,7 +27,7 @@ import numpy as np  # noqa: E402
 
 import golden_file  # noqa: E402
 
-FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "testdata/mjcf/soft/ropes.xml", "testdata/mjcf/soft/tied_tendons.xml", "testdata/mjcf/soft/belts.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
+FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "testdata/mjcf/soft/ropes.xml", "testdata/mjcf/soft/tied_tendons.xml", "testdata/mjcf/soft/belts.xml", "testdata/mjcf/soft/welds.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
 # Largest depth of the lowest point below the ground [m].
 DEEPEST = 0.05
 # Dropped robots with height [m] and duration [s], to compare motion and contacts.

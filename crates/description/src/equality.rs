@@ -64,8 +64,9 @@ impl EqualityDescription {
                 frame("a", &a.0, Pose::from_translation(a.1)),
                 frame("b", &b.0, Pose::from_translation(b.1)),
             ],
-            Equality::Weld { a, b, a_from_b } => {
-                vec![frame("a", a, *a_from_b), frame("b", b, Pose::IDENTITY)]
+            Equality::Weld { a, b, a_from_b, anchor, .. } => {
+                let b_from_anchor = Pose::from_translation(*anchor);
+                vec![frame("a", a, a_from_b.compose(&b_from_anchor)), frame("b", b, b_from_anchor)]
             }
         }
     }
@@ -108,5 +109,29 @@ pub enum Equality {
         b: String,
         /// Link b in link a.
         a_from_b: Pose,
+        /// The point in link b \[m\] at which a soft weld acts.
+        #[cfg_attr(feature = "serde", serde(default))]
+        anchor: [f64; 3],
+        /// Factor of the angular violation in MuJoCo's soft law, in m; 1 by default.
+        #[cfg_attr(feature = "serde", serde(default = "one_meter"))]
+        torque_scale: f64,
     },
+}
+
+#[cfg(feature = "serde")]
+fn one_meter() -> f64 {
+    1.0
+}
+
+impl Equality {
+    /// A weld that acts at the origin of link b, with MJCF's default softness.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Equality, Pose};
+    /// let weld = Equality::weld("hand", "tool", Pose::from_translation([0.0, 0.0, 0.1]));
+    /// assert!(matches!(weld, Equality::Weld { torque_scale: 1.0, .. }));
+    /// ```
+    pub fn weld(a: impl Into<String>, b: impl Into<String>, a_from_b: Pose) -> Self {
+        Self::Weld { a: a.into(), b: b.into(), a_from_b, anchor: [0.0; 3], torque_scale: 1.0 }
+    }
 }

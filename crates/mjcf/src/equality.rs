@@ -1,7 +1,7 @@
 //! Reads `<equality>`: couplings of joints and of tendons, connected points, welded bodies.
 
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use robot_dynamics_description::{Equality, EqualityDescription, RobotDescription};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use robot_dynamics_description::{Equality, EqualityDescription, Pose, RobotDescription};
 
 use crate::assembly::{ElementTable, JointEntry};
 use crate::body::Body;
@@ -158,17 +158,37 @@ impl Reader<'_> {
     ) -> Option<Equality> {
         if self.text(element, "site1").is_some() {
             let [(a, a_from_site), (b, b_from_site)] = self.two_sites(element, table)?;
-            return Some(Equality::Weld { a, b, a_from_b: pose(&(a_from_site * b_from_site.inverse())) });
+            let anchor = b_from_site.translation.vector.into();
+            let ends = (a, b, pose(&(a_from_site * b_from_site.inverse())));
+            return Some(self.weld_at(element, ends, anchor));
         }
         let [a, b] = self.two_bodies(element, bodies)?;
+        let anchor = self.numbers::<3>(element, "anchor").unwrap_or_default();
         let written = self.numbers::<7>(element, "relpose").and_then(|[x, y, z, qw, qx, qy, qz]| {
             // A quaternion of zeros stands for the pose of the file.
             let turn = UnitQuaternion::try_new(Quaternion::new(qw, qx, qy, qz), 0.0)?;
-            Some(Isometry3::from_parts(Translation3::new(x, y, z), turn))
+            // The position is that of the anchor.
+            let origin = Translation3::from(Vector3::new(x, y, z) - turn * Vector3::from(anchor));
+            Some(Isometry3::from_parts(origin, turn))
         });
         let a_from_b = written.unwrap_or_else(|| world_from_body[a].inverse() * world_from_body[b]);
         let link = |body: usize| table.links[body].clone();
-        Some(Equality::Weld { a: link(a), b: link(b), a_from_b: pose(&a_from_b) })
+        Some(self.weld_at(element, (link(a), link(b), pose(&a_from_b)), anchor))
+    }
+
+    /// A weld of two links, given the pose of the second one in the first one. With a torque scale of 0 it is
+    /// a connection of the two points.
+    fn weld_at(
+        &mut self,
+        element: &Element,
+        (a, b, a_from_b): (String, String, Pose),
+        anchor: [f64; 3],
+    ) -> Equality {
+        let torque_scale = self.number(element, "torquescale").map_or(1.0, f64::abs);
+        if torque_scale == 0.0 {
+            return Equality::Connect { a: (a, a_from_b.apply(anchor)), b: (b, anchor) };
+        }
+        Equality::Weld { a, b, a_from_b, anchor, torque_scale }
     }
 
     /// `body1` and `body2`, whose default is the world.

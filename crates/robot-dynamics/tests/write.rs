@@ -225,9 +225,17 @@ fn same_equality(what: &str, one: &Equality, other: &Equality) {
             assert_eq!((&a.0, &b.0), (&c.0, &d.0), "{what}");
             assert_near(what, &[c.1, d.1].concat(), &[a.1, b.1].concat());
         }
-        (Equality::Weld { a, b, a_from_b }, Equality::Weld { a: c, b: d, a_from_b: other }) => {
+        (
+            Equality::Weld { a, b, a_from_b, anchor, torque_scale },
+            Equality::Weld { a: c, b: d, a_from_b: other, anchor: other_anchor, torque_scale: other_scale },
+        ) => {
             assert_eq!((a, b), (c, d), "{what}");
             assert_near(what, &other.translation, &a_from_b.translation);
+            assert_near(
+                what,
+                &[&other_anchor[..], &[*other_scale]].concat(),
+                &[&anchor[..], &[*torque_scale]].concat(),
+            );
             assert_near(what, other.rotation.as_flattened(), a_from_b.rotation.as_flattened());
         }
         _ => panic!("{what}: {other:?} for {one:?}"),

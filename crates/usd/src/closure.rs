@@ -25,7 +25,7 @@ impl Assembly<'_> {
         let kinds = match motions[..] {
             [] => {
                 let a_from_b = in_a.compose(&in_b.inverse());
-                vec![Equality::Weld { a: a.clone(), b: b.clone(), a_from_b }]
+                vec![Equality::weld(&a, &b, a_from_b)]
             }
             [Motion::Ball] => vec![connect(Vector3::zeros())],
             [Motion::Rotation(axis)] => {

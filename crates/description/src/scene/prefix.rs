@@ -202,7 +202,7 @@ impl Renaming<'_> {
                 self.link(&mut a.0);
                 self.link(&mut b.0);
             }
-            Equality::Weld { a, b, a_from_b: _ } => {
+            Equality::Weld { a, b, a_from_b: _, anchor: _, torque_scale: _ } => {
                 self.link(a);
                 self.link(b);
             }

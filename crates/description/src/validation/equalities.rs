@@ -40,10 +40,13 @@ pub(super) fn check_equalities(description: &RobotDescription, names: &Names<'_>
                     finite("point", point)?;
                 }
             }
-            Equality::Weld { a, b, a_from_b } => {
+            Equality::Weld { a, b, a_from_b, anchor, torque_scale } => {
                 names.link(&owner, a)?;
                 names.link(&owner, b)?;
                 check_pose(&owner, a_from_b)?;
+                finite("anchor", anchor)?;
+                let is_scale = torque_scale.is_finite() && *torque_scale > 0.0;
+                check(is_scale, &owner, "torque scale", *torque_scale, "finite and positive")?;
             }
         }
     }

@@ -286,11 +286,20 @@ pub(super) const RULES: &[Rule] = &[
         &["equality"],
         "weld",
         &[
-            "name", "class", "active", "solref", "solimp", "body1", "body2", "anchor", "site1", "site2",
+            "name",
+            "class",
+            "active",
+            "solref",
+            "solimp",
+            "body1",
+            "body2",
+            "anchor",
+            "site1",
+            "site2",
             "relpose",
+            "torquescale",
         ],
-    )
-    .ignored(&["torquescale"]),
+    ),
     read(
         &["equality"],
         "tendon",

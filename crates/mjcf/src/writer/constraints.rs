@@ -223,12 +223,19 @@ impl MjcfWriter<'_> {
                 self.xml.start("connect").attribute("name", &equality.name);
                 self.xml.attribute("site1", &first).attribute("site2", &second);
             }
-            Equality::Weld { a, b, a_from_b } => {
+            Equality::Weld { a, b, a_from_b, anchor, torque_scale } => {
                 let (first, second) = (self.body_name(a), self.body_name(b));
                 self.xml.start("weld").attribute("name", &equality.name);
                 self.xml.attribute("body1", &first).attribute("body2", &second);
                 let turn = Quaternion::from_rotation(&a_from_b.rotation).to_wxyz();
-                self.xml.numbers("relpose", &[&a_from_b.translation[..], &turn].concat());
+                // The position is that of the anchor.
+                self.xml.numbers("relpose", &[&a_from_b.apply(*anchor)[..], &turn].concat());
+                if *anchor != [0.0; 3] {
+                    self.xml.numbers("anchor", anchor);
+                }
+                if *torque_scale != 1.0 {
+                    self.xml.numbers("torquescale", &[*torque_scale]);
+                }
             }
         }
         let usual = robot_dynamics_description::Surface::default();

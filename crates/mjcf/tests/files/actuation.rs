@@ -208,7 +208,7 @@ fn equalities_hold_where_the_file_places_the_bodies() {
                 let (a, b) = (pose(&a.0).apply(a.1), pose(&b.0).apply(b.1));
                 assert_near(name, &a, &b, 1e-14);
             }
-            Equality::Weld { a, b, a_from_b } => {
+            Equality::Weld { a, b, a_from_b, .. } => {
                 let expected = match name {
                     "stuck" => pose(a).inverse().compose(&pose(b)),
                     "held" => robot_dynamics::description::Pose::from_translation_quaternion_wxyz(

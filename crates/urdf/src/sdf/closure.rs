@@ -25,7 +25,7 @@ impl Assembly<'_, '_> {
         let kinds = match joint.kind {
             JointType::Fixed => {
                 let a_from_b = world_from_a.inverse().compose(&world_from_b);
-                vec![Equality::Weld { a: a.clone(), b: b.clone(), a_from_b }]
+                vec![Equality::weld(&a, &b, a_from_b)]
             }
             JointType::Ball => vec![connect(center)],
             JointType::Revolute | JointType::Continuous => {

@@ -1,10 +1,10 @@
 //! Connections of points and welds of links.
 //!
 //! For frames with orientations q₀, q₁, the violation is the distance r of their origins along the world's
-//! axes. A weld also has the vector part of q₁⁻¹q₀ = (s, e). With w = R₁ᵀ(ω₀ − ω₁), ė = ½(s w + w × e) and ṡ
-//! = −½ w·e. The second derivatives are ẇ = R₁ᵀ(ω̇₀ − ω̇₁ − ω₁ × (ω₀ − ω₁)) and ë = ½(ṡ w + s ẇ + ẇ × e + w ×
-//! ė). For these constraints alone, MuJoCo includes the part that does not depend on v̇. **(MuJoCo's source,
-//! 4.0)**
+//! axes. A weld also has c e, with its torque scale c and the vector part of q₁⁻¹q₀ = (s, e). With
+//! w = R₁ᵀ(ω₀ − ω₁), ė = ½(s w + w × e) and ṡ = −½ w·e. The second derivatives are
+//! ẇ = R₁ᵀ(ω̇₀ − ω̇₁ − ω₁ × (ω₀ − ω₁)) and ë = ½(ṡ w + s ẇ + ẇ × e + w × ė). For these constraints alone,
+//! MuJoCo includes the part that does not depend on v̇. **(MuJoCo's source, 4.0)**
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use robot_dynamics_core::{FrameId, ReferenceFrame, frame_bias_acceleration, frame_velocity};
@@ -21,7 +21,8 @@ use crate::equality::site::{Site, SitePlace};
 #[derive(Clone, Debug)]
 pub(super) struct Connection {
     pub(super) frames: [FrameId; 2],
-    pub(super) is_weld: bool,
+    /// c of a weld.
+    pub(super) torque_scale: Option<f64>,
     pub(super) softness: SolverImpedance,
     /// The sum of both sides' weights, translation and rotation.
     pub(super) weights: [f64; 2],
@@ -48,7 +49,8 @@ impl Connection {
         let turned = Rotation3::from_matrix_unchecked(other_turn.transpose() * turn);
         let between = UnitQuaternion::from_rotation_matrix(&turned);
         let (s, e) = (between.scalar(), between.vector().into_owned());
-        let size = apart.norm().hypot(if self.is_weld { e.norm() } else { 0.0 });
+        let scale = self.torque_scale.unwrap_or(0.0);
+        let size = apart.norm().hypot(scale * e.norm());
         let response = Response::new(&self.softness, *h, size);
         // K d per unit of violation.
         let stiffness = if size > 0.0 { response.spring / size } else { 0.0 };
@@ -64,13 +66,13 @@ impl Connection {
             .map(|(side, sign, at)| Some(Side::new(model, self.frames[side], sign, at)));
         let free = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
         let none = Vector3::zeros();
-        for k in 0..if self.is_weld { 6 } else { 3 } {
+        for k in 0..if self.torque_scale.is_some() { 6 } else { 3 } {
             let axis = Vector3::ith(k % 3, 1.0);
             let (direction, violation, drift) = if k < 3 {
                 ((axis, none), apart[k], moving[0][k] - moving[1][k])
             } else {
-                let about = other_turn * (axis * s + e.cross(&axis)) * 0.5;
-                ((none, about), e[k - 3], e_bend[k - 3])
+                let about = other_turn * (axis * s + e.cross(&axis)) * (0.5 * scale);
+                ((none, about), scale * e[k - 3], scale * e_bend[k - 3])
             };
             let row = push(problem, model, bodies, free, sides, &[direction]);
             problem.soften(response.softness(self.weights[k / 3]));

@@ -233,8 +233,11 @@ impl JointRows {
                     let of =
                         |link: &str| model.frame(link).map_or([0.0; 2], |link| weights.frames[link.index]);
                     let (frames, weights) = ([one, two], [0, 1].map(|part| of(a)[part] + of(b)[part]));
-                    let is_weld = matches!(equality.kind, Equality::Weld { .. });
-                    self.connections.push(Connection { frames, is_weld, softness, weights });
+                    let torque_scale = match equality.kind {
+                        Equality::Weld { torque_scale, .. } => Some(torque_scale),
+                        _ => None,
+                    };
+                    self.connections.push(Connection { frames, torque_scale, softness, weights });
                 }
             }
         }
