@@ -3,6 +3,9 @@
 
 use robot_dynamics_xml::{ELEMENT_LIMIT, NUMBER_LIMIT};
 
+use crate::path_table::{PathTable, Tokens, integers};
+use crate::paths::check_listed_name;
+
 /// The largest number of entries of a table: each prim has a few properties.
 const TABLE_LIMIT: u64 = 4 * ELEMENT_LIMIT as u64;
 
@@ -26,27 +29,36 @@ struct Check<'c> {
     content: &'c [u8],
     version: [u8; 3],
     steps: usize,
+    tokens: Tokens,
 }
 
 /// Checks all tables and values.
 pub(crate) fn check(content: &[u8]) -> Result<(), String> {
     let version =
         content.get(8..11).and_then(|bytes| bytes.try_into().ok()).ok_or("the file ends too early")?;
-    let mut check = Check { content, version, steps: 0 };
+    let mut check = Check { content, version, steps: 0, tokens: Tokens::default() };
     let contents = check.long(16)?;
     let count = check.count(contents, 32, 64)?;
+    let mut tables = Vec::new();
     for number in 0..count {
         let entry = contents.saturating_add(8 + 32 * number);
-        let name = check.bytes(entry, 16)?.to_owned();
+        let name = check.bytes(entry, 16)?;
         let start = check.long(entry.saturating_add(16))?;
-        let name = name.split(|&byte| byte == 0).next().unwrap_or_default();
-        check.table(name, start)?;
+        tables.push((name.split(|&byte| byte == 0).next().unwrap_or_default(), start));
     }
-    Ok(())
+    // openusd reads the first table of each name.
+    let first = |name: &[u8]| tables.iter().find(|(own, _)| *own == name).map(|(_, start)| *start);
+    if let Some(start) = first(b"TOKENS") {
+        check.tokens(start)?;
+    }
+    if let Some(start) = first(b"PATHS") {
+        check.paths(start)?;
+    }
+    tables.into_iter().try_for_each(|(name, start)| check.table(name, start))
 }
 
-impl Check<'_> {
-    fn bytes(&self, at: u64, length: u64) -> Result<&[u8], String> {
+impl<'c> Check<'c> {
+    fn bytes(&self, at: u64, length: u64) -> Result<&'c [u8], String> {
         let start = usize::try_from(at).ok();
         let end = at.checked_add(length).and_then(|end| usize::try_from(end).ok());
         let found = start.zip(end).and_then(|(start, end)| self.content.get(start..end));
@@ -84,6 +96,17 @@ impl Check<'_> {
         Ok(at + 8 + size)
     }
 
+    /// The content of a compressed block of this size, and the place after it.
+    fn unpacked(&self, at: u64, size: u64, what: &str) -> Result<(Vec<u8>, u64), String> {
+        let end = self.block(at)?;
+        let damaged = || format!("{what} are damaged");
+        let [0, compressed @ ..] = self.bytes(at + 8, end - at - 8)? else { return Err(damaged()) };
+        let mut unpacked = vec![0; usize::try_from(size).map_err(|_| damaged())?];
+        let length = lz4_flex::decompress_into(compressed, &mut unpacked).map_err(|_| damaged())?;
+        unpacked.truncate(length);
+        Ok((unpacked, end))
+    }
+
     /// A count of entries in compressed blocks.
     fn limited(&self, at: u64, limit: u64) -> Result<u64, String> {
         let count = self.long(at)?;
@@ -94,13 +117,44 @@ impl Check<'_> {
         }
     }
 
+    fn tokens(&mut self, start: u64) -> Result<(), String> {
+        let size = self.limited(start.saturating_add(8), 1 << 27)?;
+        self.limited(start, size.min(TABLE_LIMIT))?;
+        self.tokens = Tokens::new(self.unpacked(start + 16, size, "the tokens")?.0);
+        Ok(())
+    }
+
+    fn paths(&self, start: u64) -> Result<(), String> {
+        let what = "the paths";
+        let damaged = || format!("{what} are damaged");
+        let count = self.limited(start, TABLE_LIMIT)?;
+        let entries = self.limited(start.saturating_add(8), TABLE_LIMIT)?;
+        let mut at = start + 16;
+        let mut columns = [const { Vec::new() }; 3];
+        for column in &mut columns {
+            let size = 4 + entries.div_ceil(4) + 4 * entries;
+            let (unpacked, end) = self.unpacked(at, size, what)?;
+            let entries = usize::try_from(entries).map_err(|_| damaged())?;
+            *column = integers(&unpacked, entries).ok_or_else(damaged)?;
+            at = end;
+        }
+        let [paths, elements, jumps] = columns;
+        let count = usize::try_from(count).map_err(|_| damaged())?;
+        PathTable { count, paths, elements, jumps }.check(&self.tokens)
+    }
+
+    /// A list of the names of prims, properties or variants.
+    fn names(&self, at: u64) -> Result<(), String> {
+        let count = self.count(at, 4, TABLE_LIMIT)?;
+        for number in 0..count {
+            let token = usize::try_from(self.short(at + 8 + 4 * number)?).unwrap_or(usize::MAX);
+            check_listed_name(self.tokens.get(token)?)?;
+        }
+        Ok(())
+    }
+
     fn table(&mut self, name: &[u8], start: u64) -> Result<(), String> {
         match name {
-            b"TOKENS" => {
-                let size = self.limited(start.saturating_add(8), 1 << 27)?;
-                self.limited(start, size)?;
-                self.block(start + 16)?;
-            }
             b"STRINGS" => {
                 self.count(start, 4, TABLE_LIMIT)?;
             }
@@ -112,11 +166,6 @@ impl Check<'_> {
                 self.limited(start, TABLE_LIMIT)?;
                 (0..3).try_fold(start + 8, |at, _| self.block(at))?;
             }
-            b"PATHS" => {
-                self.limited(start, TABLE_LIMIT)?;
-                self.limited(start.saturating_add(8), TABLE_LIMIT)?;
-                (0..3).try_fold(start + 16, |at, _| self.block(at))?;
-            }
             b"FIELDS" => self.fields(start)?,
             _ => {}
         }
@@ -127,13 +176,7 @@ impl Check<'_> {
     fn fields(&mut self, start: u64) -> Result<(), String> {
         let count = self.limited(start, TABLE_LIMIT)?;
         let values = self.block(start + 8)?;
-        let size = self.count(values, 1, u64::MAX)?;
-        let block = self.bytes(values + 8, size)?;
-        let invalid = || "the values of fields are damaged".to_owned();
-        let [0, compressed @ ..] = block else { return Err(invalid()) };
-        let length = usize::try_from(8 * count).map_err(|_| invalid())?;
-        let mut unpacked = vec![0; length];
-        lz4_flex::decompress_into(compressed, &mut unpacked).map_err(|_| invalid())?;
+        let (unpacked, _) = self.unpacked(values, 8 * count, "the values of fields")?;
         for value in unpacked.chunks_exact(8) {
             let value = value.try_into().map_or(0, u64::from_le_bytes);
             self.value(value, 0)?;
@@ -157,7 +200,8 @@ impl Check<'_> {
             _ if value & INLINED != 0 => Ok(()),
             31 => self.dictionary(at, depth).map(drop),
             32..=39 | 54 => self.list_edits(kind, at, depth),
-            40 | 41 | 50 => self.count(at, 4, TABLE_LIMIT).map(drop),
+            41 => self.names(at),
+            40 | 50 => self.count(at, 4, TABLE_LIMIT).map(drop),
             45 | 58 => self.count(at, 8, TABLE_LIMIT).map(drop),
             46 => self.samples(at, depth),
             49 => self.count(at, 16, TABLE_LIMIT).map(drop),

@@ -36,6 +36,8 @@ mod read;
 
 // The file.
 mod binary;
+mod path_table;
+mod paths;
 mod prim;
 mod resolver;
 mod scan;

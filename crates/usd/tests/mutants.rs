@@ -47,6 +47,10 @@ fn below(random: &mut SplitMix64, count: usize) -> usize {
     usize::try_from(random.next_u64() % count.max(1) as u64).expect("an index")
 }
 
+fn of_seed(seed: u64) -> SplitMix64 {
+    SplitMix64::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d))
+}
+
 fn count() -> usize {
     std::env::var("MUTANTS").map_or(300, |count| count.parse().expect("a number"))
 }
@@ -147,7 +151,7 @@ fn read_all(name: &str, mut make: impl FnMut(&mut SplitMix64) -> Vec<u8>) -> usi
     let (mut read, mut contained) = (0, 0);
     let mut slowest = (0.0, 0);
     for seed in first..first + count() as u64 {
-        let content = make(&mut SplitMix64::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d)));
+        let content = make(&mut of_seed(seed));
         if let Ok(path) = std::env::var("WRITE") {
             std::fs::write(path, &content).expect("the file");
         }
@@ -168,6 +172,22 @@ fn read_all(name: &str, mut make: impl FnMut(&mut SplitMix64) -> Vec<u8>) -> usi
     println!("{name}: {read} of {} read, {contained} panics of openusd, the slowest in {slowest:?}", count());
     assert!(slowest.0 < 20.0, "{slowest:?}");
     read
+}
+
+/// openusd composes without end, or until its stack overflows, if a path does not lead to the root.
+#[test]
+fn names_and_paths_without_end_are_refused_at_once() {
+    let names = ["a}", "", "."].map(|name| format!("#usda 1.0\ndef Xform \"{name}\" {{}}").into_bytes());
+    let path = |arc: &str| format!("#usda 1.0\ndef \"a\" ({arc} = </b}}>) {{}}\ndef \"b\" {{}}").into_bytes();
+    let paths = ["references", "inherits", "specializes"].map(path);
+    // In this mutant the name of a property in a table ends with a brace.
+    let binary = [changed_bytes(&mut of_seed(14_396))];
+    for content in names.iter().chain(&paths).chain(&binary) {
+        let start = Instant::now();
+        let refused = parse_with_files(content, "robot.usd", [], &LoadOptions::default()).unwrap_err();
+        assert!(refused.to_string().contains("is invalid"), "{refused}");
+        assert!(start.elapsed().as_secs_f64() < 20.0);
+    }
 }
 
 #[test]
