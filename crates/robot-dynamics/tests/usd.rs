@@ -334,6 +334,64 @@ fn attributes_of_other_schemas_are_read() {
     assert_eq!(warnings(&loaded), ["/one: newton:strange is not in the model, here and at 1 other prims"]);
 }
 
+/// PhysX's attributes of one axis replace those of the joint; angular ones are in degrees. Properties that
+/// change the motion are reported, and settings of the solver are not.
+#[test]
+fn physx_attributes_are_read_or_reported() {
+    let axis = |rest: &str| {
+        format!(
+            "uniform token physics:axis = \"Z\"\nfloat physxJoint:armature = 7\nfloat physxJoint:jointFriction = 0.3\n\
+             float physxJointAxis:angular:armature = 0.5\nfloat physxJointAxis:angular:maxJointVelocity = 90\n\
+             float physxJointAxis:angular:dynamicFrictionEffort = 3\n{rest}"
+        )
+    };
+    let parts = [
+        body(
+            "a",
+            [0.0; 3],
+            "float physxRigidBody:linearDamping = 0\nfloat physxRigidBody:angularDamping = 0.05",
+        ),
+        body(
+            "b",
+            [0.0; 3],
+            "int physxRigidBody:lockedRotAxis = 0\nint physxRigidBody:solverPositionIterationCount = 4",
+        ),
+        joint(
+            "Revolute",
+            "one",
+            ["", "/a"],
+            &axis(
+                "float physxJointAxis:angular:staticFrictionEffort = 3\n\
+                 float physxJointAxis:angular:viscousFrictionCoefficient = 2\nfloat state:angular:physics:position = 1",
+            ),
+        ),
+        joint(
+            "Revolute",
+            "two",
+            ["/a", "/b"],
+            &axis(
+                "float physxJointAxis:angular:staticFrictionEffort = 4\n\
+                 rel physxMimicJoint:rotZ:referenceJoint = </one>\nfloat physxMimicJoint:rotZ:gearing = -2\n\
+                 float physxMimicJoint:rotZ:offset = 90",
+            ),
+        ),
+    ];
+    let loaded = text(&parts.concat());
+    let [one, two] = &loaded.description.joints[..] else { panic!("two joints") };
+    assert_eq!((one.passive.armature, one.passive.friction), (0.5, 3.0));
+    assert!((one.passive.damping - 2_f64.to_degrees()).abs() < 1e-12);
+    assert!((one.limits.velocity - FRAC_PI_2).abs() < 1e-15);
+    assert_eq!((two.passive.friction, &two.mimic), (3.0, &Some(Mimic::new("one", 2.0, -FRAC_PI_2))));
+    assert_eq!(
+        warnings(&loaded),
+        [
+            "/two: a static friction of 4 is not in the model; the dynamic one, 3, is",
+            "/one: physxJoint:jointFriction is not in the model, here and at 1 other prims",
+            "/a: physxRigidBody:angularDamping is not in the model",
+        ]
+    );
+}
+
 /// Errors name the prim and the remedy.
 #[test]
 fn errors_name_the_prim() {

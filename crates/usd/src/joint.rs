@@ -196,10 +196,11 @@ impl DofReader<'_> {
                 format!("its lower limit is above the upper one: {} > {}", limits.lower, limits.upper);
             findings.warn(&self.prim.path, message);
         }
-        if let Some(speed) = self.velocity_limit(is_angle) {
+        let axis = |attribute: &str| self.axis_number(drives, attribute);
+        if let Some(speed) = self.velocity_limit(is_angle, axis("maxJointVelocity")) {
             limits = limits.with_velocity(speed);
         }
-        let passive = self.passive(is_angle);
+        let passive = self.passive(is_angle, axis, findings);
         let drive = drives
             .iter()
             .find_map(|instance| read_drive(self.geometry, self.prim, instance, is_angle, findings));
@@ -209,10 +210,16 @@ impl DofReader<'_> {
         Dof { name, motion, limits, passive, drive }
     }
 
+    /// An attribute of PhysX for one axis. It has precedence over that for all axes of the joint.
+    fn axis_number(&self, axes: &[&str], attribute: &str) -> Option<f64> {
+        axes.iter().find_map(|axis| self.prim.number(&format!("physxJointAxis:{axis}:{attribute}")))
+    }
+
     /// The largest speed: in degrees per second for angles, in Newton's and PhysX's schemas.
-    fn velocity_limit(&self, is_angle: bool) -> Option<f64> {
+    fn velocity_limit(&self, is_angle: bool, of_axis: Option<f64>) -> Option<f64> {
         let scale = if is_angle { 1_f64.to_radians() } else { self.geometry.meters };
-        let written = self.prim.first_number(&["newton:velocityLimit", "physxJoint:maxJointVelocity"])?;
+        let of_joint = self.prim.first_number(&["newton:velocityLimit", "physxJoint:maxJointVelocity"]);
+        let written = of_axis.or(of_joint)?;
         (written > 0.0 && written < UNLIMITED).then_some(written * scale)
     }
 
@@ -224,30 +231,42 @@ impl DofReader<'_> {
     }
 
     /// Armature, damping, friction and spring, in the schemas of Newton, MuJoCo and PhysX. MuJoCo's are in
-    /// rad.
-    fn passive(&self, is_angle: bool) -> PassiveForces {
+    /// rad. `axis` gives PhysX's attributes of the axis.
+    fn passive(
+        &self,
+        is_angle: bool,
+        axis: impl Fn(&str) -> Option<f64>,
+        findings: &mut Findings,
+    ) -> PassiveForces {
         let (geometry, prim) = (self.geometry, self.prim);
         let force = geometry.force_unit(is_angle);
         let inertia = geometry.kilograms * if is_angle { geometry.meters * geometry.meters } else { 1.0 };
         let degrees = if is_angle { 1_f64.to_degrees() } else { 1.0 / geometry.meters };
         let radians = if is_angle { 1.0 } else { 1.0 / geometry.meters };
         let positive = |value: Option<f64>| value.filter(|value| value.is_finite()).unwrap_or_default();
-        let damping = prim.number("newton:damping").map(|damping| damping * force * degrees);
+        let damping = axis("viscousFrictionCoefficient").or(prim.number("newton:damping"));
+        let damping = damping.map(|damping| damping * force * degrees);
         let own_damping = prim.number("mjc:damping").map(|damping| damping * force * radians);
         let stiffness = positive(prim.number("mjc:stiffness")) * force * radians;
         let rest = positive(prim.number("mjc:springref"))
             * if is_angle { geometry.mujoco_angle } else { geometry.meters };
+        let of_joint = prim.first_number(&["newton:armature", "mjc:armature", "physxJoint:armature"]);
+        let armature = axis("armature").or(of_joint);
+        let [sliding, sticking] = ["dynamicFrictionEffort", "staticFrictionEffort"].map(axis);
+        if let (Some(sliding), Some(sticking)) = (sliding, sticking)
+            && sliding != sticking
+        {
+            let message = format!(
+                "a static friction of {sticking} is not in the model; the dynamic one, {sliding}, is"
+            );
+            findings.leave_out(&prim.path, message);
+        }
+        let of_joint = prim.first_number(&["newton:friction", "mjc:frictionloss"]);
+        let friction = sliding.or(sticking).or(of_joint);
         let mut passive = PassiveForces::default()
-            .with_armature(
-                inertia
-                    * positive(prim.first_number(&[
-                        "newton:armature",
-                        "mjc:armature",
-                        "physxJoint:armature",
-                    ])),
-            )
+            .with_armature(inertia * positive(armature))
             .with_damping(positive(damping.or(own_damping)))
-            .with_friction(force * positive(prim.first_number(&["newton:friction", "mjc:frictionloss"])));
+            .with_friction(force * positive(friction));
         if stiffness != 0.0 {
             passive = passive.with_spring(stiffness, rest);
         }

@@ -12,7 +12,7 @@ use crate::findings::Findings;
 use crate::geometry::{Geometry, WORLD_NODE};
 use crate::joint::read_joints;
 use crate::mass::MassShape;
-use crate::prim::Scene;
+use crate::prim::{Prim, Scene};
 use crate::tree::{self, Step};
 use crate::unread::report_unread;
 use crate::{LoadError, LoadOptions, UsdError, mass_check};
@@ -141,25 +141,40 @@ fn add_tree(assembly: &mut Assembly<'_>, findings: &mut Findings) {
     }
 }
 
-/// Adds mimic joints of Newton's schema: q = coef0 + coef1 · q_leader.
+/// The joint that a joint mimics, and the factor c and offset b of q = c q_leader + b, in degrees and units
+/// of length. Newton writes them in this way, and PhysX as q + gearing q_leader + offset = 0.
+fn mimic_relation(prim: &Prim) -> Option<(&str, [f64; 2])> {
+    let number = |name: &str, default: f64| prim.number(name).filter(|x| x.is_finite()).unwrap_or(default);
+    if let [leader, ..] = prim.targets("newton:mimicJoint")
+        && prim.flag("newton:mimicEnabled") != Some(false)
+    {
+        return Some((leader, [number("newton:mimicCoef1", 1.0), number("newton:mimicCoef0", 0.0)]));
+    }
+    ["rotX", "rotY", "rotZ"].into_iter().find_map(|axis| {
+        let own = |name: &str| format!("physxMimicJoint:{axis}:{name}");
+        let [leader, ..] = prim.targets(&own("referenceJoint")) else { return None };
+        // The axes of joints with one degree of freedom, and the softness of the relation.
+        for name in ["referenceJointAxis", "naturalFrequency", "dampingRatio"] {
+            prim.value(&own(name));
+        }
+        Some((leader.as_str(), [-number(&own("gearing"), 1.0), -number(&own("offset"), 0.0)]))
+    })
+}
+
+/// Adds mimic joints.
 fn add_mimics(assembly: &mut Assembly<'_>, findings: &mut Findings) {
     let scene = assembly.geometry.scene;
     let joint_of: HashMap<usize, usize> =
         assembly.joints.iter().enumerate().map(|(index, joint)| (joint.prim, index)).collect();
     for (index, joint) in assembly.joints.iter().enumerate() {
         let prim = &scene.prims[joint.prim];
-        let targets = prim.targets("newton:mimicJoint");
-        if targets.is_empty() || prim.flag("newton:mimicEnabled") == Some(false) {
-            continue;
-        }
-        let leader = scene.find(&targets[0]).and_then(|target| joint_of.get(&target));
+        let Some((target, [ratio, offset])) = mimic_relation(prim) else { continue };
+        let leader = scene.find(target).and_then(|target| joint_of.get(&target));
         let Some(&leader) = leader else {
-            let reason = format!("it mimics <{}>, which is not a joint; correct the path", targets[0]);
+            let reason = format!("it mimics <{target}>, which is not a joint; correct the path");
             findings.refuse(&prim.path, reason);
             continue;
         };
-        let [ratio, offset] = [("newton:mimicCoef1", 1.0), ("newton:mimicCoef0", 0.0)]
-            .map(|(name, default)| prim.number(name).filter(|x| x.is_finite()).unwrap_or(default));
         let (Some([own]), Some([other])) =
             (assembly.made.get(index).map(Vec::as_slice), assembly.made.get(leader).map(Vec::as_slice))
         else {

@@ -15,6 +15,7 @@ use crate::UsdError;
 use crate::prim::{Prim, Scene};
 use crate::resolver::{BoundedResolver, Shared};
 use crate::scan::DEPTH_LIMIT;
+use crate::unread::is_physics;
 use crate::value::{Property, Value};
 
 /// The stack of the thread that reads \[bytes\]: the parser recurses with the nesting of prims.
@@ -34,7 +35,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Larger files may take longer: 100 s for each MB.
 const MICROSECONDS_OF_BYTE: u64 = 100;
 
-/// The largest array of a prim without a collision shape, such as coordinates for pictures.
+/// The largest array of a prim without a collision shape, except of physics: others are coordinates for
+/// pictures.
 const SHORT: usize = 64;
 
 /// Where the files are.
@@ -225,7 +227,7 @@ impl Copy<'_> {
                     None => continue,
                 }
             };
-            if value.len() > SHORT && !copy.has("PhysicsCollisionAPI") {
+            if value.len() > SHORT && !copy.has("PhysicsCollisionAPI") && !is_physics(name) {
                 continue;
             }
             let resource =

@@ -9,6 +9,35 @@ use crate::value::Value;
 /// The namespaces of physics.
 const NAMESPACES: [&str; 6] = ["physics:", "newton:", "mjc:", "drive:", "limit:", "urdf:"];
 
+/// Prefixes of PhysX's properties that change the motion. Others are settings of its solver.
+const PHYSX: [&str; 17] = [
+    "physxJoint:jointFriction",
+    "physxJointAxis:",
+    "physxMimicJoint:",
+    "physxTendon:",
+    "physxRigidBody:linearDamping",
+    "physxRigidBody:angularDamping",
+    "physxRigidBody:lockedPosAxis",
+    "physxRigidBody:lockedRotAxis",
+    "physxRigidBody:maxLinearVelocity",
+    "physxRigidBody:maxAngularVelocity",
+    "physxCollision:restOffset",
+    "physxForce:",
+    "physxDrivePerformanceEnvelope:",
+    "physxSurfaceVelocity:",
+    "physxPhysicsDistanceJoint:",
+    "physxVehicle",
+    "physxDeformable",
+];
+
+/// The state at the start, which is that of the motion.
+const STATE: &str = "state:";
+
+/// Whether a property is one of physics.
+pub(crate) fn is_physics(name: &str) -> bool {
+    NAMESPACES.iter().chain(&PHYSX).any(|prefix| name.starts_with(prefix))
+}
+
 /// Properties that do not affect the motion, or whose effect the reader has in another way.
 const HARMLESS: [&str; 16] = [
     "physics:axis",
@@ -33,11 +62,13 @@ const HARMLESS: [&str; 16] = [
 const SETTINGS: [&str; 5] = ["mjc:option:", "mjc:flag:", "mjc:compiler:", "newton:kamino:", "newton:xpbd:"];
 
 /// Types of prims whose physics is not read, with a word for each.
-const UNREAD_TYPES: [(&str, &str); 4] = [
+const UNREAD_TYPES: [(&str, &str); 6] = [
     ("MjcTendon", "a tendon"),
     ("MjcKeyframe", "a keyframe"),
     ("PhysicsCollisionGroup", "a collision group"),
     ("PointInstancer", "a point instancer"),
+    ("PhysxPhysicsGearJoint", "a gear between joints"),
+    ("PhysxPhysicsRackAndPinionJoint", "a rack with a pinion between joints"),
 ];
 
 /// Adds one finding for each kind of property, with the number of its prims.
@@ -58,16 +89,16 @@ pub(crate) fn report_unread(scene: &Scene, findings: &mut Findings) {
             if property.is_used.get() {
                 continue;
             }
-            let is_setting = name.starts_with("physx")
+            let is_physics = is_physics(name);
+            let is_setting = (name.starts_with("physx") && !is_physics)
+                || name.starts_with(STATE)
                 || SETTINGS.iter().any(|prefix| name.starts_with(prefix))
                 || HARMLESS.contains(&name.as_str());
             if is_setting {
                 if let Some(prefix) = name.split(':').next() {
                     settings.entry(prefix).or_insert((0, prim)).0 += 1;
                 }
-            } else if NAMESPACES.iter().any(|prefix| name.starts_with(prefix))
-                && !is_neutral(name, &property.value)
-            {
+            } else if is_physics && !is_neutral(name, &property.value) {
                 counts.entry(name.clone()).or_insert((0, prim)).0 += 1;
             }
         }
