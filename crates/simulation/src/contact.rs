@@ -60,6 +60,7 @@ pub use soft::{ActiveSet, SoftConstraints, SoftContact, SoftDynamicsInputs};
 pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
+pub(crate) use impulses::PushingRow;
 pub use impulses::position_correction::{Bound, ROUNDING};
 pub use impulses::{
     ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,

@@ -59,7 +59,8 @@ pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{
-    LinearizeStepWorkspace, LinearizedStep, linearize_by_differences, linearize_step,
+    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, linearize_by_differences, linearize_step,
+    linearize_stepper,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::pullback::{

@@ -7,7 +7,7 @@ use crate::spatial::transform::Transform;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
@@ -89,6 +89,30 @@ impl Placement {
         self.q.copy_from_slice(q);
         let Self { bodies, columns, .. } = self;
         run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
+    }
+
+    /// Calls `with` on this placement with one body moved relative to all others: its point `at` by `shift`,
+    /// and the body about it by the rotation vector `turn`.
+    pub fn with_moved<R>(
+        &mut self,
+        body: usize,
+        at: &Vector3<f64>,
+        [shift, turn]: &Twist,
+        with: impl FnOnce(&Self) -> R,
+    ) -> R {
+        let before = self.bodies[body];
+        let (rotation, origin) = self.body(body);
+        let turn = Rotation3::new(*turn);
+        let (rotation, origin) = (turn * rotation, at + shift + turn * (origin - at));
+        for i in 0..3 {
+            for j in 0..3 {
+                self.bodies[body][3 * i + j] = rotation[(i, j)];
+            }
+            self.bodies[body][9 + i] = origin[i];
+        }
+        let result = with(self);
+        self.bodies[body] = before;
+        result
     }
 
     /// Whether this is the placement at q.

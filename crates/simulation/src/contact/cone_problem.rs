@@ -72,6 +72,8 @@ mod sweep_memory;
 mod sweeps;
 mod tolerances;
 
+use core::ops::Range;
+
 use robot_dynamics_core::factorization::paths::{Paths, usual_entries};
 use robot_dynamics_core::factorization::sparse;
 
@@ -339,6 +341,20 @@ impl ConeProblem {
     pub(crate) fn shift_of(&self, row: usize) -> f64 {
         let block = self.blocks.binary_search_by_key(&row, |block| block.rows.start);
         block.map_or(0.0, |at| self.blocks[at].shift)
+    }
+
+    /// The multiplier of a row beyond that whose impulse the velocities already contain.
+    pub(super) fn missing_multiplier(&self, row: usize) -> f64 {
+        self.multiplier[row] - self.counted.get(row).copied().unwrap_or(0.0)
+    }
+
+    /// Calls `visit` with each block: its set, its rows, its coordinates, and its entries row by row.
+    pub(crate) fn each_block(&self, mut visit: impl FnMut(Set, Range<usize>, &[usize], &[f64])) {
+        for block in &self.blocks {
+            let support = &self.support[block.support.clone()];
+            let count = support.len() * block.rows.len();
+            visit(block.set, block.rows.clone(), support, &self.entries[block.entries..][..count]);
+        }
     }
 
     /// The set of each block, and its number of rows.

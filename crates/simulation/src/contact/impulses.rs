@@ -3,12 +3,14 @@
 mod account;
 mod axes;
 mod contact_state;
+mod frame_variation;
 mod memory;
 pub(crate) mod position_correction;
 mod relative_motion;
 mod results;
 mod search;
 mod step_start;
+mod variation;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -25,6 +27,7 @@ use crate::placement::{Placement, Twist};
 
 pub use self::memory::ContactMemory;
 pub use self::search::DEEP;
+pub(crate) use self::variation::PushingRow;
 
 /// The time constant with which a penetration or violated stop at the start of a step is corrected, and a
 /// rounding gap closed \[s\].
@@ -81,6 +84,11 @@ clone_in_place! {
         wrenches: Vec<Twist>,
         /// The contacts of the last step at the start of this one, in the same order.
         begun: Vec<InitialContact>,
+        /// The contacts of a step that is linearized, and the forces that acted in its smooth part.
+        recorded: Vec<ActiveContact>,
+        begun_forces: Vec<CarriedForce>,
+        /// Whether each row of the position correction restores a part of a violation at the start.
+        lifted_from_start: Vec<bool>,
         /// The contacts of the last step with a face of a height field that have left the space above it.
         gone: Vec<CarriedForce>,
         /// Whether each contact of the last step was found again; the pairs of the present contacts, in
@@ -113,6 +121,9 @@ impl ContactImpulses {
             velocities: Vec::with_capacity(model.bodies.len()),
             wrenches: vec![Twist::default(); model.bodies.len()],
             begun: Vec::with_capacity(most),
+            recorded: Vec::new(),
+            begun_forces: Vec::new(),
+            lifted_from_start: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
             seen: Vec::with_capacity(most),
             touching_pairs: Vec::with_capacity(most),

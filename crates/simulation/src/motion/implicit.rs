@@ -35,6 +35,7 @@ mod equalities;
 mod impulses;
 mod interruption;
 mod joints;
+mod linearization;
 mod momentum;
 mod parts;
 mod pivots;
@@ -58,11 +59,14 @@ use robot_dynamics_integrators::EnergyAccount;
 use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
+use self::linearization::StepRecord;
 use self::momentum::FreeTranslations;
 use self::snapshot::StepSnapshot;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
+use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
+use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
 use crate::motion::simulate::{Losses, StepError, Stepper};
 use crate::motion::step_actuation::{StepActuation, record, stored_energy};
 use crate::{Actuation, ContactLaws, StateTransition, StepForces, StepWorkspace};
@@ -119,6 +123,7 @@ clone_in_place! {
         equalities: Option<Equalities>,
         translations: FreeTranslations,
         memory: ImplicitMemory,
+        record: StepRecord,
         kept: StepSnapshot,
         interrupt: Interrupt,
         /// The start of the step, if the step can be interrupted.
@@ -204,6 +209,7 @@ impl ImplicitIntegrator {
             contacts: None,
             equalities: None,
             translations: FreeTranslations::new(model),
+            record: StepRecord::default(),
             memory: ImplicitMemory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
@@ -320,6 +326,18 @@ impl Stepper for ImplicitIntegrator {
 
     fn contact_forces(&self) -> &[[f64; 3]] {
         self.contacts.as_ref().map_or(&[], ContactImpulses::link_forces)
+    }
+
+    fn linearize(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        self.linearize_analytically(model, workspace, forces, h, state, out)
     }
 
     fn explicit_gains(&self, _: &Model, _: bool, _: &mut [f64], _: &mut [f64]) {}

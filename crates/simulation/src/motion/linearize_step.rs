@@ -7,8 +7,10 @@
 //! solve an equation and are refused; `differences` serves every other stepper.
 
 mod differences;
-mod displacement;
-mod product;
+pub(super) mod displacement;
+pub(super) mod product;
+pub mod results;
+mod stepper;
 
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{
@@ -29,6 +31,8 @@ use crate::motion::integrate::{check_step, net_force};
 use crate::motion::simulate::StepError;
 
 pub use self::differences::linearize_by_differences;
+pub use self::results::{LinearizationMethod, LinearizedStep};
+pub use self::stepper::linearize_stepper;
 
 /// Scratch for [`linearize_step`] on one model.
 ///
@@ -82,15 +86,6 @@ impl LinearizeStepWorkspace {
             acceleration_changes: vec![0.0; stages * 3 * nv * nv],
         }
     }
-}
-
-/// The derivatives A and B of a step, as the outputs of [`linearize_step`] and [`linearize_by_differences`].
-#[derive(Debug)]
-pub struct LinearizedStep<'a> {
-    /// A: the derivative of the next state (δq₁, δv₁) by the state (δq₀, δv₀), 2nv×2nv, row-major.
-    pub by_state: &'a mut [f64],
-    /// B: the derivative of the next state by τ, 2nv×nv, row-major.
-    pub by_force: &'a mut [f64],
 }
 
 /// The exact derivatives A and B of one [`step`](crate::step): (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
@@ -258,7 +253,7 @@ fn accelerate(
         }
     }
     if !is_start {
-        multiply_changes([(by_q, &w.q_change), (by_v, &w.v_change)], width, change);
+        multiply_changes(&[(by_q, &w.q_change), (by_v, &w.v_change)], width, change);
     }
     for (i, change) in change.chunks_exact_mut(width).enumerate() {
         let row = i * n..(i + 1) * n;

@@ -9,6 +9,8 @@ use thiserror::Error;
 
 use super::own_stepper::OwnStepper;
 use crate::constraints::ConstrainedStepper;
+use crate::motion::RobotState;
+use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
 #[cfg(feature = "adaptive")]
 use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, StateTransition, Stepper};
@@ -343,6 +345,18 @@ impl Stepper for SimulationStepper {
 
     fn fix_active_set(&mut self, set: Option<ActiveSet>) {
         each!(&mut self.kind, own => own.fix_active_set(set));
+    }
+
+    fn linearize(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        each!(&mut self.kind, own => own.linearize(model, workspace, forces, h, state, out))
     }
 
     fn contact_laws(&self) -> Option<ContactLaws> {

@@ -22,6 +22,7 @@ mod height_field;
 mod implicit;
 mod linearize_by_differences;
 mod linearize_step;
+mod linearize_stepper;
 mod links;
 mod long_chains;
 mod moving_surfaces;

@@ -36,6 +36,8 @@ pub struct Bound<'a> {
     /// Whether it was active in this step. Then the correction of others must not open it: from there it
     /// would fall back and displace others again, which would add energy.
     pub holds: bool,
+    /// Whether it was violated at the start of the step.
+    pub was_violated: bool,
 }
 
 impl ContactImpulses {
@@ -102,11 +104,14 @@ impl ContactImpulses {
 
     /// Starts the problem with the rows of the contacts. Returns whether one of them has to be corrected.
     fn add_penetration_rows(&mut self, model: &Model, kept: f64, rounding: f64) -> bool {
-        let Self { set, lifts: problem, start, placement, active, begun, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, begun, lifted_from_start, .. } = self;
         let mut has_to_move = false;
         problem.clear();
+        lifted_from_start.clear();
         for ActiveContact { point, .. } in &*active {
-            let gap = point.gap - allowed(set, start, begun, kept, point);
+            let allowed = allowed(set, start, begun, kept, point);
+            let gap = point.gap - allowed;
+            lifted_from_start.push(allowed < 0.0);
             let row = problem.push(HALF_LINE, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
             set.each_relative_motion(model, placement, point, |dof, velocity, _| {
@@ -133,13 +138,15 @@ impl ContactImpulses {
         (bounds, equal): (impl Iterator<Item = Bound<'a>>, impl Iterator<Item = (&'a [(usize, f64)], f64)>),
         rounding: f64,
     ) {
-        let problem = &mut self.lifts;
-        for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
+        let Self { lifts: problem, lifted_from_start, .. } = self;
+        for Bound { terms, sign, gap, holds, was_violated } in bounds.filter(|bound| bound.gap < FAR) {
+            lifted_from_start.push(was_violated);
             let row = problem.push_row(if holds { LINE } else { HALF_LINE }, sign, terms);
             problem.start[row] = if holds { gap.min(0.0) } else { gap };
             problem.set_due(gap < -rounding);
         }
         for (terms, gap) in equal {
+            lifted_from_start.push(false);
             let row = problem.push_row(LINE, 1.0, terms);
             problem.start[row] = gap;
             problem.set_due(gap.abs() > rounding);

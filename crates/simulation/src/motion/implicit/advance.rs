@@ -44,6 +44,7 @@ impl ImplicitIntegrator {
         impacts: ImpactPolicy,
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
+        self.record_start();
         self.translations.begin(model, workspace, h, (q, v));
         self.rosenbrock_step(model, workspace, tau, h, (q, v))?;
         self.lost.fill(Losses::default());
@@ -67,9 +68,10 @@ impl ImplicitIntegrator {
         self.kept.record_speeds(&self.components, v1);
         integrate(model, q, displacement, q1);
         self.correct_positions(model, workspace, tau, h, q, is_written)?;
-        let Self { components, translations, joints, memory, interrupt, .. } = self;
+        let Self { components, translations, joints, memory, interrupt, record, .. } = self;
         let ImplicitMemory { stage_v: v1, stage_q: q1, .. } = memory;
         check_computed("q after the step", q1)?;
+        record.record_after(v1, components);
         translations.restore(model, workspace, joints, q1, v1);
         // An interrupted solver has no result.
         if interrupt.is_set() {
@@ -77,6 +79,21 @@ impl ImplicitIntegrator {
         }
         copy_active(model, components, (q1, v1), (q, v));
         Ok(advanced == AdvancedComponents::All)
+    }
+
+    /// Begins the record of a pass.
+    fn record_start(&mut self) {
+        self.record.begin_pass();
+        if let Some(contacts) = self.contacts.as_mut().filter(|_| self.record.is_on) {
+            contacts.record_start();
+        }
+    }
+
+    /// Records the contacts of the step.
+    fn record_contacts(&mut self) {
+        if let Some(contacts) = self.contacts.as_mut().filter(|_| self.record.is_on) {
+            contacts.record_active();
+        }
     }
 
     /// Finds the contacts at the end of the smooth part of a step from q. With `RejectStep`, excludes the
@@ -137,6 +154,8 @@ impl ImplicitIntegrator {
         }
         let has_impulses = touches || has_rows_apart;
         if has_impulses {
+            self.record_contacts();
+            self.record.record_change(&self.memory.force, &self.memory.applied);
             self.apply_impulses(model, h, v);
         }
         self.account_for_impulses(h, v, has_impulses);
@@ -154,11 +173,21 @@ impl ImplicitIntegrator {
         touches: bool,
     ) -> Result<(), IntegratorError> {
         let Self {
-            joints, factor, impulses, equalities, translations, memory, interrupt, components, ..
+            joints,
+            factor,
+            impulses,
+            equalities,
+            translations,
+            memory,
+            interrupt,
+            components,
+            record,
+            ..
         } = self;
         let ImplicitMemory { stage_v: v1, stage_q: q1, .. } = memory;
         let stops = &joints.stops[..];
         translations.restore(model, workspace, joints, q1, v1);
+        record.record_before(v1);
         impulses.turn(stops, q1, v1);
         impulses.choose(joints, stops, h, (q, q1), components);
         // Impulses use g = ½h: they change positions by ½h times their change of velocity, so that the

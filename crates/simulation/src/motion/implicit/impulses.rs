@@ -63,6 +63,16 @@ clone_in_place! {
     }
 }
 
+/// A row after the solution of the step's problem.
+pub(super) struct SolvedRow<'a> {
+    /// Its coordinates with their factors.
+    pub(super) terms: &'a [(usize, f64)],
+    /// Whether its multiplier is between its bounds, so that its velocity is the target velocity.
+    pub(super) is_free: bool,
+    /// Whether it returns to a stop.
+    pub(super) returns: bool,
+}
+
 /// The stops of a row that a step meets or starts on.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowStops {
@@ -261,6 +271,16 @@ impl Impulses {
                 components.set(Mark::Hit, components.tree_of_row(&self.terms[row]));
             }
         }
+    }
+
+    /// The rows of the last problem.
+    pub(super) fn solved_rows(&self) -> impl Iterator<Item = SolvedRow<'_>> {
+        let Self { rows, terms, problem, back, .. } = self;
+        rows.iter().enumerate().map(|(i, &row)| SolvedRow {
+            terms: &terms[row],
+            is_free: problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i],
+            returns: back[i] != 0.0,
+        })
     }
 
     /// Whether a row's stop can push.

@@ -7,6 +7,8 @@
 //! change. Sliding joints on the world without forces that depend on their own motion are corrected along
 //! their axes.
 
+mod variation;
+
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::joint::{Chart, Position};
@@ -21,6 +23,8 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 use super::joints::Joints;
+
+pub(super) use self::variation::TargetChanges;
 
 /// A cosine of the angle between two slides' axes below this is rounding.
 const SQUARE: f64 = 1e-12;

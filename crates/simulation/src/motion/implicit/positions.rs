@@ -73,7 +73,7 @@ impl ImplicitIntegrator {
         q: &[f64],
         is_written: bool,
     ) {
-        let Self { joints, factor, impulses, contacts, equalities, memory, components, .. } = self;
+        let Self { joints, factor, impulses, contacts, equalities, memory, components, record, .. } = self;
         let Some(contacts) = contacts else { return };
         let ImplicitMemory { force: change, stage_q: q1, matrix, before, .. } = memory;
         if !is_written {
@@ -86,7 +86,8 @@ impl ImplicitIntegrator {
                 let gap = stop.gap_to_correct(q, kept, q1);
                 // A joint may leave its stop if the correction would otherwise leave a penetration.
                 let holds = lifted == 0 && impulses.holds(stop, gap);
-                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
+                let was_violated = stop.gap(q) < 0.0;
+                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
             });
             let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
             let rounding = ROUNDING[lifted.min(1)];
@@ -99,6 +100,7 @@ impl ImplicitIntegrator {
             }
             before.copy_from_slice(q1);
             move_positions(model, components, change, before, q1);
+            record.record_lift(before, change, contacts);
         }
         contacts.note_depth();
         land_on_stops(&joints.stops, q, q1);
@@ -113,7 +115,7 @@ impl ImplicitIntegrator {
         h: f64,
         q: &[f64],
     ) -> Result<(), IntegratorError> {
-        let Self { joints, factor, impulses, equalities, memory, components, kept, .. } = self;
+        let Self { joints, factor, impulses, equalities, memory, components, kept, record, .. } = self;
         let ImplicitMemory { force: change, stage_q: q1, .. } = memory;
         let stops = &joints.stops[..];
         for stop in stops.iter().filter(|stop| stop.gap(q1) < -BEYOND) {
@@ -125,7 +127,8 @@ impl ImplicitIntegrator {
             let rest = (equalities, stops, &*components);
             impulses.put_on_equalities((model, workspace), factor, rest, h, (q, q1), change)
         } else {
-            impulses.put_on_stops(factor, (stops, components), h, (q, q1), change, |way, from, to| {
+            let state = (q, &mut q1[..]);
+            impulses.put_on_stops(factor, (stops, components), h, state, (change, record), |way, from, to| {
                 move_positions(model, components, way, from, to);
             })
         }

@@ -10,7 +10,7 @@ use super::{ImplicitIntegrator, ImplicitMemory};
 use crate::motion::step_actuation::StepActuation;
 
 /// γ = 1 − 1/√2: L-stable; of the two L-stable values, the one with the smaller error.
-const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+pub(super) const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
 impl ImplicitIntegrator {
     /// Takes the smooth part of a step; writes Θ to `memory.displacement` and v₁ to `memory.stage_v`.
@@ -31,7 +31,8 @@ impl ImplicitIntegrator {
         self.factor_at_middle(model, workspace, h, (q, v))?;
         self.carry_constraint_forces(model, workspace);
         self.solve_stages(model, workspace, tau, h, v);
-        let Self { translations, memory, .. } = self;
+        let Self { translations, memory, record, .. } = self;
+        record.record_stages(&memory.acceleration[0], &memory.acceleration[1], &memory.applied);
         translations.add(model, &memory.stage_q, |k| 0.5 * h * memory.applied[k]);
         Ok(())
     }

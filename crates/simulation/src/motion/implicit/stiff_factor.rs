@@ -158,6 +158,11 @@ impl StiffFactor {
         sparse::check_pivots(pivots)
     }
 
+    /// Whether the last factor contains armature, because M is singular in this configuration.
+    pub(super) fn has_armature(&self) -> bool {
+        self.armature.iter().any(|armature| *armature != 0.0)
+    }
+
     /// The sum of M's diagonal over these coordinates.
     pub(super) fn mass_trace(&self, is_own: impl Fn(usize) -> bool) -> f64 {
         let diagonal = self.paths.diagonal(&self.packed).enumerate();

@@ -83,7 +83,12 @@ fn series(theta: JointDisplacement, x: JointDisplacement, first: u32) -> JointDi
 }
 
 /// The derivative of q₀ ⊕ Θ from those of Θ and of q₀: e^(−ad Θ) δq₀ + J(Θ) δΘ.
-pub(super) fn retraction_change(model: &Model, theta: &[f64], theta_change: &[f64], q_change: &mut [f64]) {
+pub(in crate::motion) fn retraction_change(
+    model: &Model,
+    theta: &[f64],
+    theta_change: &[f64],
+    q_change: &mut [f64],
+) {
     let width = 3 * model.nv;
     // A mimic joint repeats the stretch of its leader, so the results are written, not added.
     for CoordinateRange { chart, v: k, .. } in coordinate_ranges(model) {
@@ -106,7 +111,7 @@ pub(super) fn retraction_change(model: &Model, theta: &[f64], theta_change: &[f6
 }
 
 /// The derivative of Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\].
-pub(super) fn rate_change(
+pub(in crate::motion) fn rate_change(
     model: &Model,
     (theta, theta_change): (&[f64], &[f64]),
     (v, v_change): (&[f64], &[f64]),

@@ -6,13 +6,15 @@ use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 const ROWS: usize = 4;
 const COLUMNS: usize = 8;
 
-/// `sum` = Σ A X over two pairs of a square matrix A and a change X, `width` columns each.
-pub(super) fn multiply_changes(pairs: [(&[f64], &[f64]); 2], width: usize, sum: &mut [f64]) {
-    run_here(Products { pairs, width, sum });
+/// `sum` = Σ A X over pairs of a matrix A and a change X of `width` columns, row-major.
+pub(in crate::motion) fn multiply_changes(pairs: &[(&[f64], &[f64])], width: usize, sum: &mut [f64]) {
+    if !sum.is_empty() {
+        run_here(Products { pairs, width, sum });
+    }
 }
 
 struct Products<'a> {
-    pairs: [(&'a [f64], &'a [f64]); 2],
+    pairs: &'a [(&'a [f64], &'a [f64])],
     width: usize,
     sum: &'a mut [f64],
 }
@@ -41,9 +43,10 @@ impl Products<'_> {
     /// Computes R rows and C columns.
     #[inline(always)]
     fn tile<const R: usize, const C: usize>(&mut self, row: usize, column: usize) {
-        let (n, width) = (self.sum.len() / self.width, self.width);
+        let (rows, width) = (self.sum.len() / self.width, self.width);
         let mut sum = [[0.0; C]; R];
         for (matrix, change) in self.pairs {
+            let n = matrix.len() / rows;
             let factors: [&[f64]; R] = core::array::from_fn(|i| &matrix[(row + i) * n..][..n]);
             for (k, change) in change.chunks_exact(width).enumerate() {
                 let change: &[f64; C] = change[column..].first_chunk().expect("a column within the change");
@@ -76,7 +79,7 @@ mod tests {
             let (a, b, x, y) = (matrix(n, n), matrix(n, n), matrix(n, 3 * n), matrix(n, 3 * n));
             let rows = [&a, &b, &x, &y].map(|matrix| matrix.transpose().as_slice().to_vec());
             let mut sum = vec![f64::NAN; 3 * n * n];
-            multiply_changes([(&rows[0], &rows[2]), (&rows[1], &rows[3])], 3 * n, &mut sum);
+            multiply_changes(&[(&rows[0], &rows[2]), (&rows[1], &rows[3])], 3 * n, &mut sum);
             let off = (DMatrix::from_row_slice(n, 3 * n, &sum) - (a * x + b * y)).amax();
             assert!(off <= 46.0 * 46.0 * f64::EPSILON, "{n}: {off:e}");
         }

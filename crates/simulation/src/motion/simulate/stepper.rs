@@ -5,6 +5,8 @@ use robot_dynamics_integrators::{EnergyAccount, Integrator};
 
 use super::gains::add_passive_gains;
 use super::{Losses, StepError, record_step};
+use crate::motion::RobotState;
+use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
 use crate::{ActiveSet, ContactLaws, StateTransition, StepForces, StepWorkspace, step};
 
 /// An integration method of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators
@@ -178,6 +180,26 @@ pub trait Stepper {
     /// ```
     fn fix_active_set(&mut self, set: Option<ActiveSet>) {
         let _ = set;
+    }
+
+    /// Writes the derivatives A and B of one step from this state, if the method has an analytic derivative
+    /// there. Otherwise the result gives the reason, and nothing is written. The state of the method does not
+    /// change. [`linearize_stepper`](crate::linearize_stepper) checks the input, and uses differences where
+    /// this function has no result.
+    ///
+    /// # Errors
+    /// The step failed.
+    fn linearize(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        let _ = (model, workspace, forces, h, state, out);
+        Ok(LinearizationMethod::Differences { reason: "a method without derivatives" })
     }
 
     /// Adds the nv×nv gains K and D of the forces −K δq − D v that the method treats explicitly. They bound

@@ -3,9 +3,10 @@
 use robot_dynamics_integrators::IntegratorError;
 
 use super::super::joints::{Length, Stop};
+use super::super::linearization::StepRecord;
 use super::super::stiff_factor::StiffFactor;
 use super::{Impulses, ROUNDING};
-use crate::contact::{Components, returns};
+use crate::contact::{Components, PushingRow, returns};
 
 impl Impulses {
     /// Moves `q1` along M̂⁻¹Eᵀ back to the stops that it is beyond; a violation at the start is removed
@@ -17,7 +18,7 @@ impl Impulses {
         (stops, components): (&[Stop], &Components),
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
-        change: &mut [f64],
+        (change, record): (&mut [f64], &mut StepRecord),
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
         let kept = returns(h);
@@ -27,6 +28,13 @@ impl Impulses {
             let tree = self.tree_of(stops[i].row, components);
             if components.is_active(tree) && gap(&stops[i], q1) < 0.0 {
                 self.put_tree_on_stops(factor, (stops, components, tree), gap, q1, change, &mut go)?;
+                let pushing = self.rows.iter().zip(&self.problem.x).filter(|(_, x)| **x != 0.0);
+                let pushing = pushing.map(|(row, x)| {
+                    let is_pushing = |stop: &&Stop| stop.row == *row && stop.sign * x > 0.0;
+                    let is_from_start = stops.iter().find(is_pushing).is_some_and(|stop| stop.gap(q0) < 0.0);
+                    (&self.terms[*row][..], PushingRow { multiplier: *x, contact: None, is_from_start })
+                });
+                record.record_return((&self.before, change), pushing);
             }
         }
         land_on_stops(stops, q0, q1);
@@ -109,6 +117,7 @@ mod tests {
     use robot_dynamics_core::{Workspace, integrate};
 
     use super::super::super::joints::Joints;
+    use super::super::super::linearization::StepRecord;
     use super::super::super::stiff_factor::StiffFactor;
     use super::super::super::test_robot::arm;
     use super::Impulses;
@@ -136,7 +145,7 @@ mod tests {
                     (&joints.stops, &Components::new(factor.paths().dof_parent())),
                     1e-3,
                     (&[0.0; 2], &mut q),
-                    &mut change,
+                    (&mut change, &mut StepRecord::default()),
                     |way, from, to| {
                         integrate(&model, from, way, to);
                     },
@@ -148,7 +157,8 @@ mod tests {
             let bounds = joints.stops.iter().map(|stop| {
                 let gap = stop.gap(&[BEYOND, 0.0]);
                 let holds = impulses.holds(stop, gap);
-                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
+                let was_violated = false;
+                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
             });
             let mut matrix = Vec::new();
             factor.write(&joints, 0.0, &mut matrix);

@@ -1,0 +1,232 @@
+//! The derivatives A and B of a step by the equations that the step satisfies.
+//!
+//! A change is a matrix of nv rows and 3nv columns, the derivative of a vector by (δq₀, δv₀, δτ).
+//!
+//! 1. **Smooth part** (`smooth`). The stages solve M̂k = F. M k + C v + g is inverse dynamics, so
+//!    M̂ δk = δF − ∂τ_ID/∂q δq − ∂τ_ID/∂v δv at fixed k.
+//! 2. **Impulses** (`rows`). The contacts, stops and friction forces of the step keep their state: a contact
+//!    sticks, slides or is open. With the Delassus matrix G = A M̂⁻¹Aᵀ and the velocities c of the rows:
+//!    sticking rows have δc = 0; sliding ones have p_t = −μ pₙ c_t/|c_t| and δcₙ = 0.
+//! 3. **Positions.** A row that corrected the position keeps its gap: A δq₁ is 0, or the remaining part of a
+//!    violation at the start.
+//!
+//! The forces that the step takes over from the last one are constant.
+
+mod corrections;
+mod record;
+mod rows;
+mod smooth;
+mod systems;
+
+use robot_dynamics_core::{Model, Workspace, integrate};
+
+use super::ImplicitIntegrator;
+use super::momentum::TargetChanges;
+use crate::contact::returns;
+use crate::motion::RobotState;
+use crate::motion::linearize_step::displacement::retraction_change;
+use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
+use crate::motion::simulate::StepError;
+use crate::motion::step_actuation::StepActuation;
+use crate::placement::Placement;
+use crate::{StepForces, StepWorkspace};
+
+pub(super) use self::record::StepRecord;
+
+use self::rows::ImpulseChange;
+use self::smooth::SmoothChange;
+
+impl ImplicitIntegrator {
+    /// Writes A and B of the step from this state, if every part of it has an analytic derivative. The
+    /// stepper's state does not change.
+    pub(super) fn linearize_analytically(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        if let Some(reason) = self.part_without_derivative() {
+            return Ok(LinearizationMethod::Differences { reason });
+        }
+        let (mut q1, mut v1) = (state.q.to_vec(), state.v.to_vec());
+        self.joints.choose(forces.dissipation);
+        self.store_state(state.q, state.v);
+        let begun = self.kept.clone();
+        self.record.begin(h);
+        let taken = self.step_or_go_back(model, workspace, forces, h, (&mut q1, &mut v1));
+        self.record.is_on = false;
+        let dynamics = &mut workspace.dynamics;
+        let method = taken
+            .map_err(StepError::from)
+            .and_then(|()| self.differentiate(model, dynamics, h, state, (&q1, &v1), out));
+        if let Some(contacts) = &mut self.contacts {
+            contacts.begin_whole();
+        }
+        self.components.activate_all();
+        self.kept.copy_from(&begun);
+        self.take_back(&mut q1, &mut v1);
+        method
+    }
+
+    /// The effect of this robot that has no analytic derivative, if there is one.
+    fn part_without_derivative(&self) -> Option<&'static str> {
+        let drive = self.drive.as_ref().map(StepActuation::actuation);
+        if self.equalities.is_some() {
+            return Some("closed loops or equalities");
+        }
+        if self.joints.first_turning() < self.joints.rows.len() {
+            return Some("limits of ball joints");
+        }
+        if drive.is_some_and(crate::Actuation::has_fluid) {
+            return Some("a fluid");
+        }
+        if drive.is_some_and(crate::Actuation::has_yielding_springs) {
+            return Some("springs that yield");
+        }
+        if self.contacts.as_ref().is_some_and(crate::contact::ContactImpulses::has_moving_surfaces) {
+            return Some("moving surfaces");
+        }
+        None
+    }
+
+    /// The property of the recorded step that has no analytic derivative, if there is one.
+    fn step_without_derivative(&self) -> Option<&'static str> {
+        if self.record.passes != 1 || !self.record.is_whole {
+            return Some("a step that is divided after an impact");
+        }
+        if self.factor.has_armature() {
+            return Some("an inertia that is singular in this configuration");
+        }
+        let contacts = self.contacts.as_ref().filter(|_| !self.record.change.is_empty())?;
+        if !contacts.velocity_problem().is_coulomb {
+            return Some("contacts without a solution of Coulomb's law");
+        }
+        contacts.recorded().any(|contact| contact.rebounds).then_some("a rebound")
+    }
+
+    /// Computes A and B of the recorded step.
+    fn differentiate(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        RobotState { q: q0, v: v0 }: RobotState<'_>,
+        (q1, v1): (&[f64], &[f64]),
+        LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        if let Some(reason) = self.step_without_derivative() {
+            return Ok(LinearizationMethod::Differences { reason });
+        }
+        let (nv, width) = (model.nv, 3 * model.nv);
+        let mut placement = Placement::new(model);
+        placement.set(model, workspace, q0);
+        let mut targets = self.translations.start_changes(model, &placement, v0, width);
+        let mut smooth = self.smooth_change(model, workspace, h, (q0, v0), &mut placement)?;
+        let applied = (&self.record.applied[..], &smooth.applied_change[..]);
+        let at_middle = (&smooth.middle[..], &smooth.middle_change[..]);
+        self.translations.add_changes(model, at_middle, applied, 0.5 * h, &mut targets);
+
+        let mut at_transition = false;
+        if !self.record.before.is_empty() {
+            let targets = &mut targets;
+            at_transition =
+                self.add_impulses((model, workspace, &mut placement), h, (q0, v0), &mut smooth, targets)?;
+        }
+
+        // The positions and the momentum at the end.
+        let SmoothChange { middle, theta: mut way, theta_change, mut v_change, middle_change, .. } = smooth;
+        self.record.change.iter().zip(&mut way).for_each(|(change, way)| *way += 0.5 * h * change);
+        let mut q_change = vec![0.0; nv * width];
+        retraction_change(model, &way, &theta_change, &mut q_change);
+        let kept = returns(h);
+        self.correction_changes(model, workspace, kept, q0, (&middle, &middle_change), &mut q_change)?;
+        placement.set(model, workspace, q1);
+        let (here, speeds) = ((q1, &q_change[..]), (&self.record.after[..], v1));
+        let (translations, at) = (&self.translations, (model, &placement));
+        translations.restore_changes(at, &self.joints, here, speeds, &targets, &mut v_change);
+
+        for (half, change) in [&q_change, &v_change].into_iter().enumerate() {
+            for (i, row) in change.chunks_exact(width).enumerate() {
+                let to = half * nv + i;
+                by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
+                by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
+            }
+        }
+        Ok(LinearizationMethod::Analytic { at_transition })
+    }
+
+    /// Adds the change by the impulses at the end of the smooth part; returns whether one of them is at a
+    /// transition.
+    fn add_impulses(
+        &mut self,
+        (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
+        h: f64,
+        (q0, v0): (&[f64], &[f64]),
+        smooth: &mut SmoothChange,
+        targets: &mut TargetChanges,
+    ) -> Result<bool, StepError> {
+        let SmoothChange { middle, theta, theta_change, v_change, middle_change, .. } = smooth;
+        let (mut free, mut q_change) = (vec![0.0; model.nq], vec![0.0; theta_change.len()]);
+        integrate(model, q0, theta, &mut free);
+        retraction_change(model, theta, theta_change, &mut q_change);
+        placement.set(model, workspace, &free);
+        let StepRecord { first, second, before, .. } = &self.record;
+        let stages = v0.iter().zip(first.iter().zip(second));
+        let unrestored: Vec<f64> =
+            stages.map(|(v, (first, second))| v + 0.5 * h * (3.0 * first + second)).collect();
+        let (here, speeds) = ((&free[..], &q_change[..]), (&unrestored[..], &before[..]));
+        let at = (model, &*placement);
+        self.translations.restore_changes(at, &self.joints, here, speeds, targets, v_change);
+        if self.record.change.is_empty() {
+            return Ok(false);
+        }
+        let changes = (&q_change[..], &middle_change[..], &v_change[..]);
+        let ImpulseChange { velocity, impulse, is_at_transition } =
+            self.impulse_change(model, workspace, h, middle, placement, changes)?;
+        let impulse = (&self.record.impulse[..], &impulse[..]);
+        self.translations.add_changes(model, here, impulse, 1.0, targets);
+        for ((change, v), way) in velocity.iter().zip(v_change).zip(&mut *theta_change) {
+            *v += change;
+            *way += 0.5 * h * change;
+        }
+        self.keep_at_rest(v0, theta_change);
+        Ok(is_at_transition)
+    }
+
+    /// A joint that sticks and was at rest does not move, unless it had a velocity.
+    fn keep_at_rest(&self, v0: &[f64], theta_change: &mut [f64]) {
+        let (nv, width) = (v0.len(), 3 * v0.len());
+        for row in self.impulses.solved_rows().filter(|row| row.is_free) {
+            let [(k, _)] = *row.terms else { continue };
+            if v0[k] == 0.0 && self.record.after[k] == 0.0 {
+                for (column, entry) in theta_change[k * width..(k + 1) * width].iter_mut().enumerate() {
+                    if column != nv + k {
+                        *entry = 0.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// M̂⁻¹ with g = γh or ½h at the middle of the step.
+    fn inverse(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        middle: &[f64],
+        g: f64,
+    ) -> Result<Vec<f64>, StepError> {
+        let Self { factor, joints, .. } = self;
+        factor.factor(model, workspace, middle, joints, g)?;
+        let nv = model.nv;
+        let mut inverse = vec![0.0; nv * nv];
+        for (k, row) in inverse.chunks_exact_mut(nv).enumerate() {
+            row[k] = 1.0;
+            factor.solve(row);
+        }
+        Ok(inverse)
+    }
+}

@@ -1,0 +1,113 @@
+//! The change of the position corrections.
+//!
+//! A correction moves q by w = M̂⁻¹Aᵀp, where the rows A that push close their gaps: A w = −g. With M̂ at the
+//! middle of the step and A at q, M̂ δw = ∂(Aᵀp)/∂q δq − ∂(M w)/∂qₘ δqₘ + Aᵀδp and A δw = −δg − ∂(A w)/∂q δq.
+
+use robot_dynamics_core::{Model, Workspace};
+
+use super::super::ImplicitIntegrator;
+use super::record::Correction;
+use super::rows::inertia_derivative;
+use super::systems::{solve_dependent, transpose};
+use crate::motion::linearize_step::displacement::retraction_change;
+use crate::motion::linearize_step::product::multiply_changes;
+use crate::motion::simulate::StepError;
+use crate::placement::Placement;
+
+impl ImplicitIntegrator {
+    /// Takes a change of q through all position corrections of the step from q₀. A violation at the start
+    /// leaves the fraction `kept`.
+    pub(super) fn correction_changes(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        kept: f64,
+        q0: &[f64],
+        (middle, middle_change): (&[f64], &[f64]),
+        q_change: &mut Vec<f64>,
+    ) -> Result<(), StepError> {
+        if self.record.corrections.is_empty() {
+            return Ok(());
+        }
+        let inverse = self.inverse(model, workspace, middle, 0.5 * self.record.h)?;
+        let mut placement = Placement::new(model);
+        for index in 0..self.record.corrections.len() {
+            let correction = &self.record.corrections[index];
+            let start_rows = self.start_rows(model, workspace, q0, correction, &mut placement);
+            placement.set(model, workspace, &correction.q);
+            let (nv, width, count) = (model.nv, 3 * model.nv, correction.rows.len());
+            let (mut bend, mut turned) = (vec![0.0; nv * nv], vec![0.0; count * nv]);
+            if let Some(contacts) = &self.contacts {
+                let Correction { rows, way, .. } = correction;
+                contacts.vary_correction(model, &mut placement, rows, way, &mut bend, &mut turned);
+            }
+            let inertia = inertia_derivative(model, workspace, middle, &correction.way);
+            let a = &correction.entries;
+            // At fixed p.
+            let mut right = vec![0.0; nv * width];
+            multiply_changes(&[(&bend, q_change), (&inertia, middle_change)], width, &mut right);
+            let mut way_change = vec![0.0; nv * width];
+            multiply_changes(&[(&inverse, &right)], width, &mut way_change);
+            let transposed = transpose(a, count, nv);
+            let mut response = vec![0.0; nv * count];
+            multiply_changes(&[(&inverse, &transposed)], count, &mut response);
+            let mut system = vec![0.0; count * count];
+            multiply_changes(&[(a, &response)], count, &mut system);
+            let mut missing = vec![0.0; count * width];
+            let pairs: [(&[f64], &[f64]); 3] = [(a, q_change), (a, &way_change), (&turned, q_change)];
+            multiply_changes(&pairs, width, &mut missing);
+            for (row, start) in missing.chunks_exact_mut(width).zip(start_rows.chunks_exact(nv)) {
+                for (k, x) in row.iter_mut().enumerate() {
+                    *x = kept * start.get(k).copied().unwrap_or(0.0) - *x;
+                }
+            }
+            solve_dependent(&mut system, count, &mut missing, width);
+            multiply_changes(&[(&response, &missing)], width, &mut right);
+            way_change.iter_mut().zip(&right).for_each(|(sum, change)| *sum += change);
+            move_change(model, &correction.way, &way_change, q_change);
+        }
+        Ok(())
+    }
+
+    /// The rows at q₀ of the violations of which a part remains, and zeros otherwise.
+    fn start_rows(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q0: &[f64],
+        correction: &Correction,
+        placement: &mut Placement,
+    ) -> Vec<f64> {
+        let nv = model.nv;
+        let mut start = vec![0.0; correction.entries.len()];
+        placement.set(model, workspace, q0);
+        let rows = correction.rows.iter().zip(correction.entries.chunks_exact(nv));
+        for ((row, entries), start) in rows.zip(start.chunks_exact_mut(nv)) {
+            match (row.contact, &self.contacts) {
+                _ if !row.is_from_start => {}
+                (Some(number), Some(contacts)) => contacts.add_normal_row(model, placement, number, start),
+                _ => start.copy_from_slice(entries),
+            }
+        }
+        start
+    }
+}
+
+/// The change of q ⊕ w: e^(−ad w) δq + J(w) δw.
+fn move_change(model: &Model, way: &[f64], way_change: &[f64], q_change: &mut Vec<f64>) {
+    let (nv, width) = (model.nv, 3 * model.nv);
+    let zeros = || vec![0.0; nv * width];
+    let (mut carried, mut moved) = (zeros(), zeros());
+    retraction_change(model, way, &zeros(), &mut carried);
+    retraction_change(model, way, way_change, &mut moved);
+    let mut matrix = vec![0.0; nv * nv];
+    for k in 0..nv {
+        matrix[k * nv..(k + 1) * nv].copy_from_slice(&carried[k * width..k * width + nv]);
+    }
+    let mut sum = zeros();
+    multiply_changes(&[(&matrix, q_change)], width, &mut sum);
+    for ((sum, moved), carried) in sum.iter_mut().zip(&moved).zip(&carried) {
+        *sum += moved - carried;
+    }
+    *q_change = sum;
+}

@@ -1,0 +1,29 @@
+//! The derivatives of a step.
+
+/// The derivatives A and B of a step, as the outputs of [`linearize_step`](crate::linearize_step),
+/// [`linearize_stepper`](crate::linearize_stepper) and
+/// [`linearize_by_differences`](crate::linearize_by_differences).
+#[derive(Debug)]
+pub struct LinearizedStep<'a> {
+    /// A: the derivative of the next state (δq₁, δv₁) by the state (δq₀, δv₀), 2nv×2nv, row-major.
+    pub by_state: &'a mut [f64],
+    /// B: the derivative of the next state by τ, 2nv×nv, row-major.
+    pub by_force: &'a mut [f64],
+}
+
+/// The method by which [`linearize_stepper`](crate::linearize_stepper) computed A and B.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LinearizationMethod {
+    /// The derivative of the step's equations, with the contacts, stops and friction that act in it.
+    Analytic {
+        /// Whether a contact or a friction force is at a transition, such as from sticking to sliding. A and
+        /// B are then the derivatives of one side.
+        at_transition: bool,
+    },
+    /// Central differences.
+    Differences {
+        /// The part of the step that has no analytic derivative.
+        reason: &'static str,
+    },
+}
