@@ -57,7 +57,7 @@ pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives
 pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use float::BatchFloat;
 pub use kinematics::{NUMBERS_PER_POSE, frame_jacobian, frame_poses};
-pub use linearize::{LinearizeInputs, linearize_by_differences, linearize_step};
+pub use linearize::{LinearizeInputs, linearize_step, linearize_stepper};
 pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
 pub use quantity::BatchQuantity;
 pub use related_mass::mass_matrix_related;

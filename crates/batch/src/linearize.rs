@@ -13,7 +13,7 @@ use crate::distribution::for_each_state;
 use crate::rollout::RolloutError;
 use crate::tables::check_table;
 
-/// The inputs of [`linearize_step`] and [`linearize_by_differences`].
+/// The inputs of [`linearize_step`] and [`linearize_stepper`].
 #[derive(Clone, Copy, Debug)]
 pub struct LinearizeInputs<'a> {
     /// The step \[s\].
@@ -76,14 +76,14 @@ pub fn linearize_step(
     })
 }
 
-/// A and B of one step of each state by any [`Stepper`], by central differences.
+/// A and B of one step of each state by any [`Stepper`], through contact, stops and friction.
 ///
-/// Shapes are those of [`linearize_step`]. The differences are those of
-/// [`linearize_by_differences`](robot_dynamics_simulation::linearize_by_differences). For each state a copy of
-/// the stepper first takes a step from it, so its contacts are those that this step finds.
+/// Shapes are those of [`linearize_step`]. The derivatives are those of
+/// [`linearize_stepper`](robot_dynamics_simulation::linearize_stepper). For each state a copy of the stepper
+/// first takes a step from it, so its contacts are those that this step finds.
 ///
 /// ```
-/// use robot_dynamics::batch::{BatchWorkspace, LinearizeInputs, linearize_by_differences};
+/// use robot_dynamics::batch::{BatchWorkspace, LinearizeInputs, linearize_stepper};
 /// use robot_dynamics::derivatives::LinearizedStep;
 /// use robot_dynamics::description::{Limits, pendulum};
 /// use robot_dynamics::model::Model;
@@ -97,7 +97,7 @@ pub fn linearize_step(
 /// let inputs = LinearizeInputs { step: 1e-3, dissipation: true, q: &[0.0, -0.1], v: &[0.0; 2], tau };
 /// let (mut a, mut b) = ([0.0; 8], [0.0; 4]);
 /// let results = LinearizedStep { by_state: &mut a, by_force: &mut b };
-/// linearize_by_differences(&model, workspace, stepper, inputs, results)?;
+/// linearize_stepper(&model, workspace, stepper, inputs, results)?;
 /// assert!(b[1].abs() < 1e-9 && (b[3] - 1e-3 / (2.0 * 0.25)).abs() < 1e-7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -108,7 +108,7 @@ pub fn linearize_step(
 /// # Panics
 /// If a table has the wrong length, or the workspace belongs to another model.
 #[track_caller]
-pub fn linearize_by_differences<S: Stepper + Clone + Sync>(
+pub fn linearize_stepper<S: Stepper + Clone + Sync>(
     model: &Model,
     workspace: &BatchWorkspace<f64>,
     stepper: &S,
@@ -121,8 +121,14 @@ pub fn linearize_by_differences<S: Stepper + Clone + Sync>(
         q.copy_from_slice(state.q);
         v.copy_from_slice(state.v);
         stepper.step(model, workspace, forces, h, q, v).is_ok()
-            && robot_dynamics_simulation::linearize_by_differences(
-                model, &stepper, workspace, forces, h, state, out,
+            && robot_dynamics_simulation::linearize_stepper(
+                model,
+                &mut stepper,
+                workspace,
+                forces,
+                h,
+                state,
+                out,
             )
             .is_ok()
     })

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences, linearize_step};
+use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_step, linearize_stepper};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
 
@@ -51,7 +51,7 @@ impl Robot {
                 linearize_step(model, row, workspace, &forces, h, RobotState { q: &q, v: &v }, out)
                     .map_err(exception)
             }),
-            None => by_differences(model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
+            None => of_stepper(model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
         }?;
         let [by_state, by_force] = arrays;
         Ok((by_state, by_force))
@@ -59,7 +59,7 @@ impl Robot {
 }
 
 /// The derivatives of a step. Its contacts are those that a step from this state finds.
-fn by_differences<S: Stepper + Clone>(
+fn of_stepper<S: Stepper + Clone>(
     model: &Model,
     mut stepper: S,
     forces: &StepForces<'_>,
@@ -70,6 +70,7 @@ fn by_differences<S: Stepper + Clone>(
     let workspace = &mut StepWorkspace::new(model);
     stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(exception)?;
     let out = LinearizedStep { by_state, by_force };
-    linearize_by_differences(model, &stepper, workspace, forces, h, RobotState { q, v }, out)
+    linearize_stepper(model, &mut stepper, workspace, forces, h, RobotState { q, v }, out)
+        .map(|_| ())
         .map_err(exception)
 }

@@ -141,12 +141,13 @@ pub mod derivatives {
     pub use robot_dynamics_simulation::{
         ConstrainedMotionDerivatives, ConstrainedMotionPullback, ConstrainedPullbackInputs,
         ConstrainedTorqueDerivatives, ConstrainedTorquePullback, ConstrainedTorquePullbackInputs,
-        ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs, LinearizationMethod, LinearizeStepWorkspace,
-        LinearizedStep, MotionCotangents, RobotState, Rollout, RolloutPullbackWorkspace,
-        StepPullbackWorkspace, TrajectoryCotangents, constrained_forward_dynamics_derivatives,
-        constrained_forward_dynamics_pullback, constrained_inverse_dynamics_derivatives,
-        constrained_inverse_dynamics_pullback, contact_impulse_derivatives, contact_impulse_pullback,
-        linearize_by_differences, linearize_step, linearize_stepper, rollout_pullback, step_pullback,
+        ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs, LinearizationMethod,
+        LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, Rollout,
+        RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents,
+        constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
+        constrained_inverse_dynamics_derivatives, constrained_inverse_dynamics_pullback,
+        contact_impulse_derivatives, contact_impulse_pullback, linearize_by_differences, linearize_step,
+        linearize_stepper, rollout_pullback, step_pullback,
     };
 }
 
