@@ -707,8 +707,9 @@ def linearize_step(
 ) -> LinearizedStep:
     """Derivatives A and B of one step of one state: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
 
-    They are exact for explicit methods without actuators and springs. For other methods they are central
-    differences of steps that keep the contacts which a step from q and v finds.
+    They are exact for explicit methods without actuators and springs, and for ``implicit`` through contact,
+    stops and friction that act in the step. Other steps use central differences: closed loops, fluids,
+    impacts, and other methods. The contacts are those that a step from q and v finds.
 
     Parameters
     ----------
