@@ -17,6 +17,10 @@ use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
+use robot_dynamics::control::optimal::{
+    ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
+    StateResidual,
+};
 use robot_dynamics::control::{
     OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, TaskControl,
     TaskGains, TaskReference,
@@ -866,4 +870,35 @@ fn stepper_of_many_bodies_has_no_dense_matrix() {
     let bytes = BYTES.get() - before;
     let dense = size_of::<f64>() * model.nv() * model.nv();
     assert!(bytes < dense, "{bytes} bytes, a dense M takes {dense}");
+}
+
+/// The second solution, from the first one shifted, allocates nothing: linearizations, the Riccati recursion
+/// with bounds, rollouts and the log.
+#[test]
+fn iterations_of_optimal_control_do_not_allocate() {
+    let model = std::sync::Arc::new(chain(4));
+    let step = SmoothStep::new(model.clone(), Integrator::SemiImplicitEuler, 0.01).expect("a step");
+    let x0 = vec![0.1; 2 * model.nv()];
+    let mut problem = Problem::new(step, &x0, 15).expect("a problem");
+    let space = problem.state_space().clone();
+    let tip = model.frame_named(&model.frames()[model.frames().len() - 1].name).expect("a frame");
+    let mut terminal = Cost::new();
+    terminal.add(StateResidual::new(&space, &vec![0.0; x0.len()]).expect("a state"), 1.0).expect("weights");
+    let mut running = terminal.clone();
+    let reach = FrameTranslationResidual::new(model.clone(), tip, [0.1; 3]).expect("a target");
+    terminal.add(reach, 10.0).expect("weights");
+    let effort = ControlResidual::new(&vec![0.0; model.nv()]).expect("controls");
+    running.add(effort, 0.1).expect("weights");
+    problem.set_running_cost(0..15, running).expect("a cost");
+    problem.set_terminal_cost(terminal).expect("a cost");
+    let limits = vec![1.0; model.nv()];
+    let lower: Vec<f64> = limits.iter().map(|limit| -limit).collect();
+    problem.set_control_bounds(0..15, ControlBounds::new(&lower, &limits).expect("bounds")).expect("bounds");
+    let mut solver = Fddp::new(problem, FddpOptions::default()).expect("options");
+    solver.solve().expect("a solution");
+    let requests = allocations(|| {
+        solver.shift();
+        solver.solve().expect("a solution").iterations
+    });
+    assert_eq!(requests, 0);
 }

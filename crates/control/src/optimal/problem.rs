@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use robot_dynamics_number::InvalidInput;
 
-use super::residual::ResidualInputs;
+use super::constraint::NodeConstraint;
+use super::residual::{Residual, ResidualInputs};
 use super::{ControlBounds, Cost, DiscreteDynamics, StateSpace};
 
 /// A problem with N nodes: x₀, and the dynamics, cost and bounds of each node.
@@ -38,6 +39,9 @@ pub struct Problem {
     pub(super) costs: Vec<Cost>,
     pub(super) bounds: Vec<ControlBounds>,
     pub(super) nodes: Vec<Node>,
+    pub(super) constraints: Vec<NodeConstraint>,
+    /// μ of the constraints' terms.
+    pub(super) penalty: f64,
 }
 
 /// The parts of a node, by their indices.
@@ -76,6 +80,8 @@ impl Problem {
             costs: vec![Cost::new(), Cost::new()],
             bounds: vec![ControlBounds::unbounded(controls)],
             nodes: vec![node; nodes],
+            constraints: Vec::new(),
+            penalty: 1.0,
         })
     }
 
@@ -157,8 +163,13 @@ impl Problem {
         for node in &self.nodes[nodes.clone()] {
             self.check_cost(&cost, node.controls)?;
         }
-        let index = self.costs.len();
-        self.costs.push(cost);
+        self.nodes[nodes.clone()].iter_mut().for_each(|node| node.cost = NO_COST);
+        // A cost that no node uses any more is replaced.
+        let is_used = |index: usize| self.nodes.iter().any(|node| node.cost == index);
+        let unused = (NO_COST + 1..self.costs.len()).find(|index| !is_used(*index));
+        let index = unused.unwrap_or(self.costs.len());
+        self.costs.resize_with(self.costs.len().max(index + 1), Cost::new);
+        self.costs[index] = cost;
         self.nodes[nodes].iter_mut().for_each(|node| node.cost = index);
         Ok(())
     }
@@ -192,6 +203,45 @@ impl Problem {
         let index = self.bounds.len();
         self.bounds.push(bounds);
         self.nodes[nodes].iter_mut().for_each(|node| node.bounds = index);
+        Ok(())
+    }
+
+    /// Constrains some nodes: l ≤ c(x, u) ≤ h by entry; equal bounds are an equality.
+    /// [`AugmentedLagrangian`](super::AugmentedLagrangian) solves problems with constraints.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if the range is beyond the nodes, c expects other states or controls, or the bounds
+    /// are not one for each entry.
+    pub fn add_constraint(
+        &mut self,
+        nodes: Range<usize>,
+        constraint: impl Residual + 'static,
+        lower: &[f64],
+        upper: &[f64],
+    ) -> Result<(), InvalidInput> {
+        self.check_range(&nodes)?;
+        let constraint = NodeConstraint::new(Box::new(constraint), lower, upper, nodes.clone())?;
+        for node in &self.nodes[nodes] {
+            check_inputs("the constraint", constraint.expects(), &self.space, node.controls)?;
+        }
+        self.constraints.push(constraint);
+        Ok(())
+    }
+
+    /// Constrains the last state: l ≤ c(x_N) ≤ h by entry.
+    ///
+    /// # Errors
+    /// As [`add_constraint`](Self::add_constraint), and if c depends on controls.
+    pub fn add_terminal_constraint(
+        &mut self,
+        constraint: impl Residual + 'static,
+        lower: &[f64],
+        upper: &[f64],
+    ) -> Result<(), InvalidInput> {
+        let last = self.nodes();
+        let constraint = NodeConstraint::new(Box::new(constraint), lower, upper, last..last + 1)?;
+        check_inputs("the terminal constraint", constraint.expects(), &self.space, 0)?;
+        self.constraints.push(constraint);
         Ok(())
     }
 

@@ -10,6 +10,7 @@
 //! Sources: Mastalli et al., *Crocoddyl*, ICRA 2020; Mastalli et al., *A feasibility-driven approach to
 //! control-limited DDP*, Autonomous Robots 46 (2022); Nocedal, Wright, *Numerical Optimization*, §18.3.
 
+mod constraints;
 mod evaluation;
 mod memory;
 mod model;
@@ -103,8 +104,17 @@ impl Fddp {
     /// A solver that starts at x₀ in all nodes, and with the controls nearest to zero within their bounds.
     ///
     /// # Errors
-    /// [`InvalidInput`] if an option is invalid.
+    /// [`InvalidInput`] if an option is invalid, or the problem has constraints.
     pub fn new(problem: Problem, options: FddpOptions) -> Result<Self, InvalidInput> {
+        if !problem.constraints.is_empty() {
+            let required = "has constraints beyond the bounds of controls; use AugmentedLagrangian";
+            return Err(InvalidInput::unmet("the problem", required));
+        }
+        Self::with_constraints(problem, options)
+    }
+
+    /// The inner solver of an augmented Lagrangian.
+    pub(super) fn with_constraints(problem: Problem, options: FddpOptions) -> Result<Self, InvalidInput> {
         options.check()?;
         let (n, nodes) = (problem.state_space().tangent(), problem.nodes());
         let counts: Vec<usize> = (0..nodes).map(|node| problem.controls(node)).collect();

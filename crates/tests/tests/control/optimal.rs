@@ -1,8 +1,10 @@
 //! Optimal control: residuals and their derivatives, FDDP against closed forms and independent solutions.
 
 mod bounds;
+mod constraints;
 mod derivatives;
 mod linear_quadratic;
+mod mpc;
 mod robots;
 
 use std::sync::Arc;

@@ -20,15 +20,25 @@ impl Problem {
         self.dynamics[index].step(x, u, next).map_err(failed(node, Evaluation::Dynamics))
     }
 
-    /// The cost of a node, the terminal one included.
+    /// The cost of a node, the terminal one included, with the terms of its constraints.
     pub(super) fn cost(&mut self, node: usize, x: &[f64], u: &[f64]) -> Result<f64, OptimalControlError> {
-        let failed = failed(node, Evaluation::Cost);
-        let cost = match self.nodes.get(node) {
+        let mut cost = self.own_cost(node, x, u).map_err(failed(node, Evaluation::Cost))?;
+        let penalty = self.penalty;
+        for constraint in self.constraints.iter_mut().filter(|one| one.applies_to(node)) {
+            let term = constraint.value(node, x, u, penalty);
+            cost += term.map_err(failed(node, Evaluation::Constraint))?;
+        }
+        let finite = check_result("the cost", &[cost]).map_err(StepError::from);
+        finite.map_err(failed(node, Evaluation::Cost))?;
+        Ok(cost)
+    }
+
+    /// The cost of a node without the terms of its constraints.
+    pub(super) fn own_cost(&mut self, node: usize, x: &[f64], u: &[f64]) -> Result<f64, StepError> {
+        match self.nodes.get(node) {
             Some(of_node) => self.costs[of_node.cost].value(x, u),
             None => self.terminal_cost().value(x, u),
-        };
-        let cost = cost.and_then(|cost| Ok(check_result("the cost", &[cost]).map(|()| cost)?));
-        cost.map_err(failed)
+        }
     }
 
     /// The model of a node, the terminal one included.
@@ -48,16 +58,19 @@ impl Problem {
             }
             None => self.terminal_cost(),
         };
-        let expanded = cost.expand(x, u, model.expansion());
-        let expanded = expanded.and_then(|_| {
-            let gradients = model.state_gradient.iter().chain(&model.control_gradient);
-            Ok(check_result("the gradient of the cost", gradients)?)
-        });
-        expanded.map_err(failed(node, Evaluation::Cost))
+        cost.expand(x, u, model.expansion()).map_err(failed(node, Evaluation::Cost))?;
+        let (penalty, mut expansion) = (self.penalty, model.expansion());
+        for constraint in self.constraints.iter_mut().filter(|one| one.applies_to(node)) {
+            let added = constraint.add_expansion(node, x, u, penalty, &mut expansion);
+            added.map_err(failed(node, Evaluation::Constraint))?;
+        }
+        let gradients = model.state_gradient.iter().chain(&model.control_gradient);
+        let finite = check_result("the gradient of the cost", gradients).map_err(StepError::from);
+        finite.map_err(failed(node, Evaluation::Cost))
     }
 }
 
-fn failed(node: usize, evaluation: Evaluation) -> impl Fn(StepError) -> OptimalControlError {
+pub(super) fn failed(node: usize, evaluation: Evaluation) -> impl Fn(StepError) -> OptimalControlError {
     move |cause| OptimalControlError::Node { node, evaluation, cause }
 }
 

@@ -1,8 +1,11 @@
 //! The start of a solver: states and controls of the user, or the last solution shifted by a node.
 
+use std::ops::Range;
+
 use robot_dynamics_number::{InputProblem, InvalidInput, check_finite};
 
 use super::Fddp;
+use crate::optimal::cost::Cost;
 use crate::optimal::error::OptimalControlError;
 
 impl Fddp {
@@ -65,6 +68,22 @@ impl Fddp {
     /// [`InvalidInput`] if it is not a state.
     pub fn set_initial_state(&mut self, state: &[f64]) -> Result<(), InvalidInput> {
         self.workers.iter_mut().try_for_each(|problem| problem.set_initial_state(state))
+    }
+
+    /// Changes the cost of some nodes, for example its target; the trajectory stays.
+    ///
+    /// # Errors
+    /// As [`Problem::set_running_cost`](crate::optimal::Problem::set_running_cost).
+    pub fn set_running_cost(&mut self, nodes: Range<usize>, cost: &Cost) -> Result<(), InvalidInput> {
+        self.workers.iter_mut().try_for_each(|problem| problem.set_running_cost(nodes.clone(), cost.clone()))
+    }
+
+    /// Changes the cost of the last state; the trajectory stays.
+    ///
+    /// # Errors
+    /// As [`Problem::set_terminal_cost`](crate::optimal::Problem::set_terminal_cost).
+    pub fn set_terminal_cost(&mut self, cost: &Cost) -> Result<(), InvalidInput> {
+        self.workers.iter_mut().try_for_each(|problem| problem.set_terminal_cost(cost.clone()))
     }
 
     /// Shifts the trajectory by one node, for the next period of a controller: x_k ← x_{k+1}, u_k ← u_{k+1}.
