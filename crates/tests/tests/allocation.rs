@@ -389,6 +389,28 @@ fn derivatives_allocate_nothing() {
             );
         };
         nothing("forward_dynamics_pullback", allocations(call));
+        let second = &mut robot_dynamics::derivatives::SecondOrderWorkspace::new(model);
+        let hessian = &mut vec![0.0; 9 * nv * nv][..];
+        let inputs =
+            robot_dynamics::derivatives::InversePullbackInputs { q, v, a, wrenches: &[], cotangent: tau };
+        let call = || robot_dynamics::derivatives::inverse_dynamics_hessian(model, second, inputs, hessian);
+        nothing("inverse_dynamics_hessian", allocations(call));
+        let call = || {
+            let (directions, results) = (
+                robot_dynamics::derivatives::ForwardDirections { position: v, velocity: a, force: tau },
+                robot_dynamics::derivatives::ForwardHessianProductMut {
+                    by_position: x,
+                    by_velocity: y,
+                    by_force: z,
+                },
+            );
+            let inputs =
+                robot_dynamics::derivatives::ForwardPullbackInputs { q, v, tau, wrenches: &[], cotangent: a };
+            robot_dynamics::derivatives::forward_dynamics_hessian_product(
+                model, second, inputs, directions, results,
+            );
+        };
+        nothing("forward_dynamics_hessian_product", allocations(call));
         nothing(
             "dissipation_pullback",
             allocations(|| robot_dynamics::derivatives::dissipation_pullback(model, v, a, x, &mut [])),

@@ -4,6 +4,7 @@
 //! ε/δ = 2e-13 times the size of q₁ and v₁. States move at about 1 rad/s. With h = 0.01 the displacement of a
 //! step is small, and its quaternion terms are far above the tolerance.
 
+use robot_dynamics::batch::{self, BatchOptions, BatchWorkspace, LinearizeInputs, RolloutError};
 use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::model::{Model, difference, integrate};
 use robot_dynamics::simulation::{Integrator, StepError, StepForces, StepWorkspace, step};
@@ -162,4 +163,47 @@ fn implicit_methods_are_errors() {
         out,
     );
     assert!(matches!(refused, Err(StepError::Integrator(_))), "{refused:?}");
+}
+
+/// A batch has the bits of its states, for any number of threads. A state that is not finite is bad alone.
+#[test]
+fn batches_match_their_states() {
+    let family = families().into_iter().find(|family| family.name == "floating trees").expect("a family");
+    let robot = family.robots().next().expect("a robot");
+    let Robot { model, state, .. } = &robot;
+    let (n, count, rk4) = (model.nv(), 7, Integrator::RungeKutta4);
+    let (mut q, mut tau) = (state.q.repeat(count), state.tau.repeat(count));
+    for k in 0..count {
+        tau[k * n] += k as f64;
+    }
+    q[3 * model.nq()] = f64::NAN;
+    let v = state.v.repeat(count);
+    let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
+    for threads in [1, 2] {
+        let mut options = BatchOptions::default();
+        options.threads = threads;
+        let workspace = BatchWorkspace::with_options(model, options).expect("threads");
+        let (mut as_, mut bs) = (vec![0.0; count * 4 * n * n], vec![0.0; count * 2 * n * n]);
+        let inputs = LinearizeInputs { step: H, dissipation: true, q: &q, v: &v, tau: &tau };
+        let results = LinearizedStep { by_state: &mut as_, by_force: &mut bs };
+        let bad = batch::linearize_step(model, &workspace, rk4, inputs, results);
+        assert!(matches!(bad, Err(RolloutError::BadStates(bad)) if bad.states == [3] && bad.batch == count));
+        for k in 0..count {
+            let rows = (&as_[k * 4 * n * n..(k + 1) * 4 * n * n], &bs[k * 2 * n * n..(k + 1) * 2 * n * n]);
+            if k == 3 {
+                assert!(rows.0.iter().chain(rows.1).all(|x| x.is_nan()));
+                continue;
+            }
+            let forces = StepForces::new(&tau[k * n..(k + 1) * n], true);
+            let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+            let at = RobotState { q: &state.q, v: &state.v };
+            linearize_step(model, rk4, &mut LinearizeStepWorkspace::new(model), &forces, H, at, out)
+                .expect("a step");
+            assert!(rows.0 == a && rows.1 == b, "state {k}, {threads} threads");
+        }
+        let variational = Integrator::VariationalMidpoint;
+        let results = LinearizedStep { by_state: &mut as_, by_force: &mut bs };
+        let refused = batch::linearize_step(model, &workspace, variational, inputs, results);
+        assert!(matches!(refused, Err(RolloutError::Implicit { .. })));
+    }
 }
