@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
 from robot_dynamics.numbers import ControlReference, Numbers, ReferenceFrame
-from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivatives, ForwardDynamicsPullback, ForwardDynamicsPullbackWithParameters, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback, InverseDynamicsPullbackWithParameters
+from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivatives, ForwardDynamicsPullback, ForwardDynamicsPullbackWithParameters, ForwardDynamicsSecondDerivatives, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback, InverseDynamicsPullbackWithParameters, InverseDynamicsSecondDerivatives
 
 _F = TypeVar("_F", np.float64, np.float32)
 
@@ -428,6 +428,13 @@ class Robot:
         """
     def _linearize_step(self, q: Numbers, v: Numbers, tau: Numbers | None, controls: dict[str, float] | None, **options: object) -> tuple[_Array, _Array]:
         """See `linearize_step`."""
+    @overload
+    def _linearize_steps(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], controls: dict[str, float] | None, lead: NDArray[_F], threads: int | None, **options: object) -> NDArray[_F]: ...
+    @overload
+    def _linearize_steps(self, q: Numbers, v: Numbers, tau: Numbers, controls: dict[str, float] | None, lead: Numbers, threads: int | None, **options: object) -> NDArray[np.float64]:
+        """See `linearize_step`. Plain float64 arrays with a row for each state of a batch of shape `lead`; tau
+        may be empty.
+        """
     def _links(self) -> list[tuple[str, int, int | None, float, list[float], list[list[float]]]]:
         """Links in the file's order, as the fields of `robot_dynamics.Link`."""
     def _lock(self, joints: Sequence[tuple[str, Sequence[float] | None]]) -> str:
@@ -1238,6 +1245,98 @@ class Robot:
         True
         """
     @overload
+    def forward_dynamics_hessian(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def forward_dynamics_hessian(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Hessian H of λᵀa(q, v, τ) for multipliers λ (`cotangent`), symmetric, in the order q, v, τ.
+
+        The definition is that of `inverse_dynamics_hessian`.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : ndarray, shape (..., 3·nv, 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv, 3·nv)
+            H in the order q, v, τ.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> H = robot.forward_dynamics_hessian(q, v, tau, [1.0, 0.0])
+        >>> bool(np.array_equal(H, H.T))
+        True
+        """
+    @overload
+    def forward_dynamics_hessian_product(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], direction: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def forward_dynamics_hessian_product(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, direction: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Product H α of `forward_dynamics_hessian` and a direction α = (δq, δv, δτ), in O(n) without H.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        direction : array_like, shape (..., 3·nv)
+            Direction: a displacement of q, then changes of the next two arguments.
+        out : ndarray, shape (..., 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv)
+            H α in the order q, v, τ.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> H, along = robot.forward_dynamics_hessian(q, v, tau, [1.0, 0.0]), np.arange(6.0)
+        >>> bool(np.allclose(robot.forward_dynamics_hessian_product(q, v, tau, [1.0, 0.0], along), H @ along))
+        True
+        """
+    @overload
     def forward_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[_F]: ...
     @overload
     def forward_dynamics_pullback(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[np.float64]:
@@ -1287,6 +1386,51 @@ class Robot:
         True
         """
     @overload
+    def forward_dynamics_pullback_derivative(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def forward_dynamics_pullback_derivative(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Derivative D of `forward_dynamics_pullback`: row α has the change of its results along the direction
+        α, in the order q, v, τ. See `inverse_dynamics_pullback_derivative`.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : ndarray, shape (..., 3·nv, 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv, 3·nv)
+            D in the order q, v, τ.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> D = robot.forward_dynamics_pullback_derivative(q, v, tau, [1.0, 0.0])
+        >>> bool(np.allclose(D, robot.forward_dynamics_hessian(q, v, tau, [1.0, 0.0])))
+        True
+        """
+    @overload
     def forward_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[_F]: ...
     @overload
     def forward_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[np.float64]:
@@ -1333,6 +1477,53 @@ class Robot:
         >>> gradient = robot.forward_dynamics_pullback_with_parameters(q, v, tau, [1.0, 0.0])
         >>> Y = robot.joint_torque_regressor(q, v, robot.forward_dynamics(q, v, tau))
         >>> bool(np.allclose(gradient.by_parameters[:20], -gradient.by_force @ Y))
+        True
+        """
+    @overload
+    def forward_dynamics_second_derivatives(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsSecondDerivatives[_F]: ...
+    @overload
+    def forward_dynamics_second_derivatives(self, q: Numbers, v: Numbers, tau: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsSecondDerivatives[np.float64]:
+        """Second derivatives of a(q, v, τ) as tensors with the component of a first. Those that are not listed
+        are zero, and ∂²a/∂q∂τ is ∂(M⁻¹)/∂q.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ForwardDynamicsSecondDerivatives
+            `position_position` (..., nv, nv, nv): ∂²aᵢ/∂qⱼ∂qₖ.
+            `position_velocity` (..., nv, nv, nv): ∂²aᵢ/∂qⱼ∂vₖ.
+            `velocity_velocity` (..., nv, nv, nv): ∂²aᵢ/∂vⱼ∂vₖ.
+            `position_force` (..., nv, nv, nv): ∂²aᵢ/∂qⱼ∂τₖ.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> second = robot.forward_dynamics_second_derivatives(q, v, tau)
+        >>> H = robot.forward_dynamics_hessian(q, v, tau, [0.0, 1.0])
+        >>> bool(np.allclose(H[:2, :2], second.position_position[1]))
         True
         """
     @overload
@@ -1548,6 +1739,51 @@ class Robot:
         >>> robot.frame_jacobian(q, "tip", "world")[4]  # both joints rotate about −y
         array([-1., -1.])
         """
+    @overload
+    def frame_jacobian_derivative(self, q: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_jacobian_derivative(self, q: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Derivative ∂J/∂q of `frame_jacobian`: at (r, j, k) that of J_rj by q_k, along `integrate(q, δ e_k)`.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6, nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 6, nv, nv)
+            ∂J/∂q.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], np.array([1.0, -2.0])
+        >>> rate = robot.frame_jacobian_derivative(q, "tip") @ v
+        >>> bool(np.allclose(rate @ v, robot.frame_acceleration(q, v, [0.0, 0.0], "tip")))
+        True
+        """
     @property
     def frame_names(self) -> list[str]:
         """The names of all frames: links, and what the file adds to them; an index into this list is a frame,
@@ -1590,6 +1826,56 @@ class Robot:
         --------
         >>> rd.example("two_r").frame_pose([0.0, np.pi / 2], "tip")[:3, 3].round(12)
         array([1., 0., 1.])
+        """
+    @overload
+    def frame_pose_hessian(self, q: NDArray[_F], weights: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_pose_hessian(self, q: Numbers, weights: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Second derivative Σ λᵣ ∂²ξᵣ/∂q² of a frame's pose for multipliers λ (`weights`), symmetric.
+
+        ξ is the displacement of the frame that q ⊕ x causes; its first derivative is the Jacobian. For
+        ``local_world_aligned`` its linear part is the displacement of the origin.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        weights : array_like, shape (..., 6)
+            Multipliers of the motion: linear, then angular.
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            Σ λᵣ ∂²ξᵣ/∂q².
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q = rd.example("two_r"), [0.3, 1.2]
+        >>> H = robot.frame_pose_hessian(q, [1.0, 0, 0, 0, 0, 0], "tip")
+        >>> bool(np.allclose(H, robot.frame_jacobian_derivative(q, "tip")[0]))
+        True
         """
     @overload
     def frame_poses(self, q: NDArray[_F], frames: Sequence[str | int] | None = None, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
@@ -1735,6 +2021,56 @@ class Robot:
         array([-2., -1.])
         >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip", "local")[0].round(12)
         array([0., 1.])
+        """
+    @overload
+    def frame_velocity_hessian(self, q: NDArray[_F], v: NDArray[_F], weights: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_hessian(self, q: Numbers, v: Numbers, weights: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Hessian of λᵀV for the velocity V(q, v) of `frame_velocity` and multipliers λ (`weights`), symmetric,
+        in the order q, v.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        weights : array_like, shape (..., 6)
+            Multipliers of the motion: linear, then angular.
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 2·nv, 2·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2·nv, 2·nv)
+            H in the order q, v.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> H = robot.frame_velocity_hessian(q, v, [1.0, 0, 0, 0, 0, 0], "tip")
+        >>> bool(np.allclose(H[2:, :2], robot.frame_jacobian_derivative(q, "tip")[0]))
+        True
         """
     @overload
     def gravity(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
@@ -1992,6 +2328,96 @@ class Robot:
         True
         """
     @overload
+    def inverse_dynamics_hessian(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def inverse_dynamics_hessian(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Hessian H of λᵀτ(q, v, a) for multipliers λ (`cotangent`), symmetric, in the order q, v, a.
+
+        H_αβ = ∂²/∂s∂t λᵀτ at (q, v, a) ⊕ (sα + tβ), with q ⊕ δ of `integrate`. It is symmetric also for
+        joints with quaternions.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : ndarray, shape (..., 3·nv, 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv, 3·nv)
+            H in the order q, v, a.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> H = robot.inverse_dynamics_hessian(q, v, a, [1.0, 0.0])
+        >>> second = robot.inverse_dynamics_second_derivatives(q, v, a)
+        >>> bool(np.allclose(H[:2, 2:4], second.position_velocity[0]))
+        True
+        """
+    @overload
+    def inverse_dynamics_hessian_product(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], direction: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def inverse_dynamics_hessian_product(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, direction: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Product H α of `inverse_dynamics_hessian` and a direction α = (δq, δv, δa), in O(n) without H.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        direction : array_like, shape (..., 3·nv)
+            Direction: a displacement of q, then changes of the next two arguments.
+        out : ndarray, shape (..., 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv)
+            H α in the order q, v, a.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> H, along = robot.inverse_dynamics_hessian(q, v, a, [1.0, 0.0]), np.arange(6.0)
+        >>> bool(np.allclose(robot.inverse_dynamics_hessian_product(q, v, a, [1.0, 0.0], along), H @ along))
+        True
+        """
+    @overload
     def inverse_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[_F]: ...
     @overload
     def inverse_dynamics_pullback(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[np.float64]:
@@ -2036,6 +2462,50 @@ class Robot:
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback(q, v, a, [1.0, 0.0])  # of the first joint's torque
         >>> bool(np.allclose(gradient.by_position, robot.inverse_dynamics_derivatives(q, v, a).by_position[0]))
+        True
+        """
+    @overload
+    def inverse_dynamics_pullback_derivative(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def inverse_dynamics_pullback_derivative(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Derivative D of `inverse_dynamics_pullback`: row α has the change of its results along the direction
+        α, in the order q, v, a. It differs from `inverse_dynamics_hessian` only for pairs of displacements of
+        one joint with a quaternion, whose order matters.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : ndarray, shape (..., 3·nv, 3·nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3·nv, 3·nv)
+            D in the order q, v, a.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> D = robot.inverse_dynamics_pullback_derivative(q, v, a, [1.0, 0.0])
+        >>> bool(np.allclose(D, robot.inverse_dynamics_hessian(q, v, a, [1.0, 0.0])))
         True
         """
     @overload
@@ -2085,6 +2555,51 @@ class Robot:
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
         >>> bool(np.allclose(gradient.by_parameters[:20], robot.joint_torque_regressor(q, v, a)[0]))
+        True
+        """
+    @overload
+    def inverse_dynamics_second_derivatives(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsSecondDerivatives[_F]: ...
+    @overload
+    def inverse_dynamics_second_derivatives(self, q: Numbers, v: Numbers, a: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsSecondDerivatives[np.float64]:
+        """Second derivatives of τ(q, v, a) as tensors with the component of τ first. Those that are not listed
+        are zero, and ∂²τ/∂q∂a is ∂M/∂q.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        InverseDynamicsSecondDerivatives
+            `position_position` (..., nv, nv, nv): ∂²τᵢ/∂qⱼ∂qₖ.
+            `position_velocity` (..., nv, nv, nv): ∂²τᵢ/∂qⱼ∂vₖ.
+            `velocity_velocity` (..., nv, nv, nv): ∂²τᵢ/∂vⱼ∂vₖ.
+            `position_acceleration` (..., nv, nv, nv): ∂²τᵢ/∂qⱼ∂aₖ.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> second = robot.inverse_dynamics_second_derivatives(q, v, a)
+        >>> twice = np.einsum("ijk,j,k", second.velocity_velocity, v, v)  # C v is quadratic in v
+        >>> bool(np.allclose(twice, 2 * robot.velocity_product(q, v)))
         True
         """
     @overload

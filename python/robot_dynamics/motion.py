@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robot_dynamics import defaults
 from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
-from robot_dynamics.errors import BadStatesError, SimulationError
+from robot_dynamics.errors import BadStatesError, ShapeError, SimulationError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
 
@@ -286,9 +286,9 @@ class LinearizedStep(NamedTuple):
     """Derivatives of one step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, with δq a displacement q ⊕ δq."""
 
     by_state: Array
-    """A (2 nv, 2 nv)."""
+    """A (..., 2 nv, 2 nv)."""
     by_force: Array
-    """B (2 nv, nv)."""
+    """B (..., 2 nv, nv)."""
 
 
 def disabled_effects(without: Sequence[str], dissipation: bool, stops: bool) -> list[str]:
@@ -704,8 +704,9 @@ def linearize_step(
     stops: bool = True,
     controls: Mapping[str, float] | None = None,
     ground: AnyGround | None = None,
+    threads: int | None = None,
 ) -> LinearizedStep:
-    """Derivatives A and B of one step of one state: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
+    """Derivatives A and B of one step of each state: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
 
     They are exact for explicit methods without actuators and springs, and for ``implicit`` through contact,
     stops and friction that act in the step. Other steps use central differences: closed loops, fluids,
@@ -713,11 +714,11 @@ def linearize_step(
 
     Parameters
     ----------
-    q : array_like, shape (nq,)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, shape (nv,)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : array_like, shape (nv,), optional
+    tau : array_like, shape (..., nv), optional
         Torques [N·m or N]; default: 0.
     dt : float
         Step size [s].
@@ -735,14 +736,18 @@ def linearize_step(
         Controls of actuators by name; the others are 0.
     ground : Ground, HeightField or "file", optional
         Ground below the robot; see `simulate`.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
 
     Returns
     -------
     LinearizedStep
-        A (2 nv, 2 nv) and B (2 nv, nv).
+        A (..., 2 nv, 2 nv) and B (..., 2 nv, nv).
 
     Raises
     ------
+    BadStatesError
+        Some states of a batch have no valid derivatives; `result` has the others.
     SimulationError
         The step fails, or the integrator or the step size is invalid.
     StateError
@@ -754,17 +759,30 @@ def linearize_step(
     >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], dt=1e-3)
     >>> A.shape, B.shape
     ((4, 4), (4, 2))
+    >>> robot.linearize_step(np.zeros((50, 2)), np.zeros(2), dt=1e-3).by_state.shape
+    (50, 4, 4)
     """
+    options: dict[str, Any] = {
+        "dt": dt,
+        "integrator": integrator,
+        "conservative": conservative,
+        "without": disabled_effects(without, dissipation, stops),
+        "ground": grounds.native(ground),
+    }
+    values = None if controls is None else dict(controls)
+    if all(np.asarray(x).ndim <= 1 for x in (q, v, tau) if x is not None):
+        return LinearizedStep(*robot._linearize_step(q, v, tau, values, **options))
+    widths = {"q": robot.nq, "v": robot.nv, "tau": robot.nv}
+    given = {name: np.asarray(x, dtype=float) for name, x in (("q", q), ("v", v), ("tau", tau)) if x is not None}
+    for name, x in given.items():
+        if x.shape[-1:] != (widths[name],):
+            raise ShapeError(f"{name} has shape {x.shape}, robot `{robot.name}` needs (..., {widths[name]})")
+    lead = np.broadcast_shapes(*(x.shape[:-1] for x in given.values()))
+    rows = {
+        name: np.ascontiguousarray(np.broadcast_to(x, (*lead, x.shape[-1]))).reshape(-1, x.shape[-1])
+        for name, x in given.items()
+    }
+    forces = rows.get("tau", np.empty((0, robot.nv)))
     return LinearizedStep(
-        *robot._linearize_step(
-            q,
-            v,
-            tau,
-            None if controls is None else dict(controls),
-            dt=dt,
-            integrator=integrator,
-            conservative=conservative,
-            without=disabled_effects(without, dissipation, stops),
-            ground=grounds.native(ground),
-        )
+        *robot._linearize_steps(rows["q"], rows["v"], forces, values, list(lead), threads, **options)
     )

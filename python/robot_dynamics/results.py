@@ -96,6 +96,32 @@ class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
     """Derivative by v (..., 6, nv)."""
 
 
+class InverseDynamicsSecondDerivatives(NamedTuple, Generic[_F]):
+    """Second derivatives of τ(q, v, a), with the component i of τ first."""
+
+    position_position: NDArray[_F]
+    """∂²τᵢ/∂qⱼ∂qₖ (..., nv, nv, nv)."""
+    position_velocity: NDArray[_F]
+    """∂²τᵢ/∂qⱼ∂vₖ (..., nv, nv, nv)."""
+    velocity_velocity: NDArray[_F]
+    """∂²τᵢ/∂vⱼ∂vₖ (..., nv, nv, nv)."""
+    position_acceleration: NDArray[_F]
+    """∂²τᵢ/∂qⱼ∂aₖ = ∂M_ik/∂qⱼ (..., nv, nv, nv)."""
+
+
+class ForwardDynamicsSecondDerivatives(NamedTuple, Generic[_F]):
+    """Second derivatives of a(q, v, τ), with the component i of a first."""
+
+    position_position: NDArray[_F]
+    """∂²aᵢ/∂qⱼ∂qₖ (..., nv, nv, nv)."""
+    position_velocity: NDArray[_F]
+    """∂²aᵢ/∂qⱼ∂vₖ (..., nv, nv, nv)."""
+    velocity_velocity: NDArray[_F]
+    """∂²aᵢ/∂vⱼ∂vₖ (..., nv, nv, nv)."""
+    position_force: NDArray[_F]
+    """∂²aᵢ/∂qⱼ∂τₖ = ∂(M⁻¹)ᵢₖ/∂qⱼ (..., nv, nv, nv)."""
+
+
 BY_ALGORITHM: dict[str, Any] = {
     "inverse_dynamics_derivatives": InverseDynamicsDerivatives,
     "forward_dynamics_derivatives": ForwardDynamicsDerivatives,
@@ -106,6 +132,8 @@ BY_ALGORITHM: dict[str, Any] = {
     "dissipation_pullback": DissipationPullback,
     "inverse_dynamics_derivatives_with_wrenches": InverseDynamicsDerivatives,
     "forward_dynamics_derivatives_with_wrenches": ForwardDynamicsDerivatives,
+    "inverse_dynamics_second_derivatives": InverseDynamicsSecondDerivatives,
+    "forward_dynamics_second_derivatives": ForwardDynamicsSecondDerivatives,
     "frame_acceleration_derivatives": FrameAccelerationDerivatives,
 }
 """Result class of each method with several results."""

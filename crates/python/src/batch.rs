@@ -10,7 +10,7 @@ use robot_dynamics::model::FrameId;
 use robot_dynamics::quantity::{Inputs, Quantity};
 
 use crate::number::Number;
-use crate::results::MOST_RESULTS;
+use crate::results::{MOST_OPERANDS, MOST_RESULTS};
 use crate::robot::Robot;
 use crate::row::{Row, Width, Work};
 use crate::single_state::{self, homogeneous};
@@ -63,7 +63,7 @@ pub(crate) fn run<T: Number>(
     row: &Row,
     frames: &[FrameId],
     states: usize,
-    mut operands: [OperandRows<'_, T>; 4],
+    mut operands: [OperandRows<'_, T>; MOST_OPERANDS],
     mut results: [&mut [T]; MOST_RESULTS],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
@@ -75,7 +75,7 @@ pub(crate) fn run<T: Number>(
     let (mut bad, mut first) = (Vec::new(), 0);
     while first < states {
         let count = chunk.min(states - first);
-        let mut at = [&[][..]; 4];
+        let mut at = [&[][..]; MOST_OPERANDS];
         for ((at, rows), width) in at.iter_mut().zip(&mut operands).zip(widths) {
             *at = rows.rows(first, count, width);
         }
@@ -102,7 +102,7 @@ pub(crate) fn run_at_once<T: Number>(
     row: &Row,
     frames: &[FrameId],
     states: usize,
-    x: [&[T]; 4],
+    x: [&[T]; MOST_OPERANDS],
     mut results: [&mut [T]; MOST_RESULTS],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
@@ -126,14 +126,14 @@ struct Job<'a> {
     robot: &'a Robot,
     row: &'a Row,
     frames: &'a [FrameId],
-    widths: [usize; 4],
+    widths: [usize; MOST_OPERANDS],
     sizes: [usize; MOST_RESULTS],
     threads: usize,
 }
 
 impl<'a> Job<'a> {
     fn of(robot: &'a Robot, row: &'a Row, frames: &'a [FrameId], threads: usize) -> Self {
-        let mut widths = [0; 4];
+        let mut widths = [0; MOST_OPERANDS];
         for (width, operand) in widths.iter_mut().zip(row.operands) {
             *width = operand.width.len(&robot.model, frames.len());
         }
@@ -149,7 +149,7 @@ impl<'a> Job<'a> {
         &self,
         workspace: &mut BatchWorkspace<T>,
         states: usize,
-        x: [&[T]; 4],
+        x: [&[T]; MOST_OPERANDS],
         results: &mut [&mut [T]; MOST_RESULTS],
     ) -> Vec<usize> {
         let model = &self.robot.model;
@@ -186,7 +186,7 @@ impl<'a> Job<'a> {
     }
 
     /// States with an invalid quaternion, which a batch would normalise.
-    fn without_unit_quaternions<T: Number>(&self, x: &[&[T]; 4]) -> Vec<usize> {
+    fn without_unit_quaternions<T: Number>(&self, x: &[&[T]; MOST_OPERANDS]) -> Vec<usize> {
         if self.robot.quaternions.is_empty() {
             return Vec::new();
         }
@@ -230,7 +230,7 @@ impl<'a> Job<'a> {
     fn each<T: Number>(
         &self,
         states: usize,
-        x: [&[T]; 4],
+        x: [&[T]; MOST_OPERANDS],
         results: &mut [&mut [T]; MOST_RESULTS],
     ) -> Vec<usize> {
         let mut pieces = Vec::with_capacity(states.div_ceil(STATES_PER_PIECE));
@@ -254,11 +254,11 @@ impl<'a> Job<'a> {
         &self,
         start: usize,
         count: usize,
-        x: [&[T]; 4],
+        x: [&[T]; MOST_OPERANDS],
         mut results: [&mut [T]; MOST_RESULTS],
     ) -> Vec<usize> {
         let model = &self.robot.model;
-        let mut given: [Vec<f64>; 4] = self.widths.map(|width| vec![0.0; width]);
+        let mut given: [Vec<f64>; MOST_OPERANDS] = self.widths.map(|width| vec![0.0; width]);
         let mut computed = self.sizes.map(|size| vec![0.0; size]);
         let mut bad = Vec::new();
         self.robot.scratch.with(model, |scratch| {
@@ -269,7 +269,7 @@ impl<'a> Job<'a> {
                         *given = x.double();
                     }
                 }
-                let read = [&given[0][..], &given[1], &given[2], &given[3]];
+                let read = given.each_ref().map(Vec::as_slice);
                 let is_given = read.iter().all(|x| single_state::is_finite(x));
                 if is_given {
                     let written = computed.each_mut().map(Vec::as_mut_slice);

@@ -9,7 +9,7 @@ use crate::ffi::{self, Array, Kind};
 use crate::number::Number;
 use crate::operand::{ArrayArgument, common_kind, common_lead, given, shown, spread};
 use crate::outcome::{OutputArrays, bad_states};
-use crate::results::MOST_RESULTS;
+use crate::results::{MOST_OPERANDS, MOST_RESULTS};
 use crate::robot::Robot;
 use crate::row::{Row, Width};
 use crate::{single_state, threads};
@@ -90,7 +90,7 @@ impl<'py> MethodCall<'_, 'py> {
 
     /// Computes all states and returns the bad ones; `None` if an array to write overlaps another.
     fn compute<T: Number>(&self, arrays: &[Bound<'py, PyAny>]) -> PyResult<Option<Vec<usize>>> {
-        let mut read = [Array::NONE; 4];
+        let mut read = [Array::NONE; MOST_OPERANDS];
         for (read, given) in read.iter_mut().zip(&self.all) {
             *read = Array::of(&given.array).unwrap_or(Array::NONE);
         }
@@ -108,10 +108,10 @@ impl<'py> MethodCall<'_, 'py> {
     }
 
     /// Computes one state, in float64.
-    fn single<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; MOST_RESULTS]) -> PyResult<()> {
+    fn single<T: Number>(&self, x: [&[T]; MOST_OPERANDS], results: [&mut [T]; MOST_RESULTS]) -> PyResult<()> {
         let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
         let mut computed = results.each_ref().map(|result| vec![0.0; result.len()]);
-        let read = [&doubles[0][..], &doubles[1], &doubles[2], &doubles[3]];
+        let read = doubles.each_ref().map(Vec::as_slice);
         self.refuse_massless()?;
         let written = computed.each_mut().map(Vec::as_mut_slice);
         single_state::checked(self.py, self.robot, self.row, &read, self.frames, written)?;
@@ -123,7 +123,11 @@ impl<'py> MethodCall<'_, 'py> {
         Ok(())
     }
 
-    fn many<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; MOST_RESULTS]) -> PyResult<Vec<usize>> {
+    fn many<T: Number>(
+        &self,
+        x: [&[T]; MOST_OPERANDS],
+        results: [&mut [T]; MOST_RESULTS],
+    ) -> PyResult<Vec<usize>> {
         self.refuse_massless()?;
         let states: usize = self.lead.iter().product();
         let threads = match self.threads {
@@ -162,10 +166,9 @@ impl<'py> MethodCall<'_, 'py> {
         for (given, operand) in self.all.iter().zip(self.row.operands) {
             let width = operand.width.len(&self.robot.model, self.frames.len());
             let Some((x, _)) = Array::of(&given.array).and_then(|array| {
-                ffi::slices::<T>(
-                    &[array, Array::NONE, Array::NONE, Array::NONE],
-                    &[Array::NONE; MOST_RESULTS],
-                )
+                let mut read = [Array::NONE; MOST_OPERANDS];
+                read[0] = array;
+                ffi::slices::<T>(&read, &[Array::NONE; MOST_RESULTS])
             }) else {
                 continue;
             };

@@ -16,7 +16,7 @@ use numpy::npyffi::{
 use pyo3::prelude::*;
 use robot_dynamics::batch::BatchFloat;
 
-use crate::results::MOST_RESULTS;
+use crate::results::{MOST_OPERANDS, MOST_RESULTS};
 
 /// The type of an array's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,13 +129,13 @@ impl<'a> Array<'a> {
 }
 
 /// The slices that a call reads and writes.
-pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; MOST_RESULTS]);
+pub(crate) type Slices<'a, T> = ([&'a [T]; MOST_OPERANDS], [&'a mut [T]; MOST_RESULTS]);
 
 /// The arrays' numbers, some to read and some to write. `None` if an array is not a slice of T, or if one to
 /// write is read-only or overlaps another.
 #[inline]
 pub(crate) fn slices<'a, T: ArrayNumber>(
-    read: &[Array<'a>; 4],
+    read: &[Array<'a>; MOST_OPERANDS],
     written: &[Array<'a>; MOST_RESULTS],
 ) -> Option<Slices<'a, T>> {
     if !read.iter().chain(written).all(Array::is_slice_of::<T>)

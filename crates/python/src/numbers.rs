@@ -26,7 +26,7 @@ pub(crate) fn numbers(
     }
     let Some(header) = Array::of(&array) else { return Ok((Vec::new(), Vec::new())) };
     let none = Array::NONE;
-    let read = ffi::slices::<f64>(&[header, none, none, none], &[none; MOST_RESULTS]);
+    let read = ffi::slices::<f64>(&[header, none, none, none, none], &[none; MOST_RESULTS]);
     Ok((header.shape.to_vec(), read.map_or_else(Vec::new, |([x, ..], _)| x.to_vec())))
 }
 

@@ -8,7 +8,7 @@ use robot_dynamics::derivatives::{
 use robot_dynamics::model::{Model, Workspace};
 
 use crate::ffi::ArrayNumber;
-use crate::results::{MOST_RESULTS, Results};
+use crate::results::{MOST_OPERANDS, MOST_RESULTS, Results};
 
 /// The function whose pullback is computed.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl Pullback {
         self,
         model: &Model,
         workspace: &mut Workspace,
-        &[q, v, third, cotangent]: &[&[f64]; 4],
+        &[q, v, third, cotangent, _]: &[&[f64]; MOST_OPERANDS],
         [by_q, by_v, by_third, by_parameters]: Results<'_>,
     ) {
         // The library adds to these.
@@ -65,7 +65,7 @@ impl Pullback {
         self,
         model: &Model,
         workspace: &mut BatchWorkspace<T>,
-        [q, v, third, cotangent]: [&[T]; 4],
+        [q, v, third, cotangent, _]: [&[T]; MOST_OPERANDS],
         [by_q, by_v, by_third, by_parameters]: [&mut [T]; MOST_RESULTS],
     ) -> Result<(), BadStates> {
         let w = workspace;

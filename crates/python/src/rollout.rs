@@ -123,7 +123,7 @@ impl<'py> RolloutRequest<'_, 'py> {
         let header = |object| Array::of(object).unwrap_or(none);
         let tau = arrays.get(2).map_or(none, header);
         let written = [0, 1, 2, 3].map(|k| header(&moved[k]));
-        let Some(slices) = ffi::slices::<T>(&[tau, none, none, none], &written) else {
+        let Some(slices) = ffi::slices::<T>(&[tau, none, none, none, none], &written) else {
             return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
         };
         let bad = moved_by(lead.iter().product(), slices)?;

@@ -176,13 +176,13 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
         let none = Array::NONE;
         let read = |k: usize| header(all.get(k).map(|given| &given.array));
         let first_of_trajectory = 4 + usize::from(has_tau);
-        // Two calls, as one reads at most four arrays. The written arrays are new, so they overlap nothing.
+        // Two calls, as one reads at most five arrays. The written arrays are new, so they overlap nothing.
         let first = ffi::slices::<T>(
-            &[read(0), read(1), header(tau.map(|tau| &tau.array)), none],
+            &[read(0), read(1), header(tau.map(|tau| &tau.array)), none, none],
             &[Some(&by_position), Some(&by_velocity), by_force.as_ref(), by_parameters.as_ref()].map(header),
         );
         let second = ffi::slices::<T>(
-            &[read(first_of_trajectory), read(first_of_trajectory + 1), none, none],
+            &[read(first_of_trajectory), read(first_of_trajectory + 1), none, none, none],
             &[none; MOST_RESULTS],
         );
         let (Some((x, moved)), Some((y, _))) = (first, second) else {

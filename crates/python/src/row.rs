@@ -8,7 +8,7 @@ use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::quantity::Quantity;
 
 use crate::pullback::Pullback;
-use crate::results::Results;
+use crate::results::{MOST_OPERANDS, Results};
 use crate::scratch::Scratch;
 
 /// A row.
@@ -42,6 +42,10 @@ pub(crate) enum Width {
     Wrenches,
     /// No axis of its own.
     One,
+    /// Linear, then angular.
+    Six,
+    /// A direction in q, v and a third argument.
+    Direction,
 }
 
 impl Width {
@@ -51,13 +55,17 @@ impl Width {
             Self::Nv => model.nv(),
             Self::Wrenches => 6 * frames,
             Self::One => 1,
+            Self::Six => 6,
+            Self::Direction => 3 * model.nv(),
         }
     }
 
     /// The axes of one state.
     pub(crate) fn dims(self, model: &Model, frames: usize) -> Dims {
         match self {
-            Self::Nq | Self::Nv | Self::Coordinates => Dims::new(&[self.len(model, frames)]),
+            Self::Nq | Self::Nv | Self::Coordinates | Self::Six | Self::Direction => {
+                Dims::new(&[self.len(model, frames)])
+            }
             Self::Wrenches => Dims::new(&[frames, 6]),
             Self::One => Dims::new(&[]),
         }
@@ -71,6 +79,11 @@ impl Width {
             Self::Coordinates => format!("it has nq = {} numbers along the last axis", model.nq()),
             Self::Wrenches => "a row of six for each frame, force then moment".into(),
             Self::One => "one number a state".into(),
+            Self::Six => "six numbers along the last axis, linear then angular".into(),
+            Self::Direction => {
+                let count = 3 * model.nv();
+                format!("it has 3·nv = {count} numbers along the last axis: δq, δv and the third change")
+            }
         }
     }
 }
@@ -86,6 +99,14 @@ pub(crate) enum Shape {
     Vector,
     Square,
     Cube,
+    /// nv×nv for each of six components.
+    SixSquares,
+    /// A direction in q, v and a third argument.
+    Direction,
+    /// A matrix over q, v and a third argument.
+    Hessian,
+    /// A matrix over q and v.
+    StateHessian,
     Rows(usize),
     /// One number for each inertial parameter.
     Parameters,
@@ -113,6 +134,10 @@ impl Shape {
             Self::Vector => Dims::new(&[nv]),
             Self::Square => Dims::new(&[nv, nv]),
             Self::Cube => Dims::new(&[nv, nv, nv]),
+            Self::SixSquares => Dims::new(&[6, nv, nv]),
+            Self::Direction => Dims::new(&[3 * nv]),
+            Self::Hessian => Dims::new(&[3 * nv, 3 * nv]),
+            Self::StateHessian => Dims::new(&[2 * nv, 2 * nv]),
             Self::Rows(rows) => Dims::new(&[rows, nv]),
             Self::Parameters => Dims::new(&[parameters()]),
             Self::AllParameters => Dims::new(&[parameter_count(model)]),
@@ -165,10 +190,11 @@ pub(crate) enum Work {
 
 /// An algorithm on one state. Its arguments are the operands in the row's order, the frames of the call, and
 /// the results.
-pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; 4], &[FrameId], Results<'_>);
+pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; MOST_OPERANDS], &[FrameId], Results<'_>);
 
 /// An algorithm on one state of a frame in a reference frame.
-pub(crate) type OfFrame = fn(&Model, &mut Scratch, &[&[f64]; 4], FrameId, ReferenceFrame, Results<'_>);
+pub(crate) type OfFrame =
+    fn(&Model, &mut Scratch, &[&[f64]; MOST_OPERANDS], FrameId, ReferenceFrame, Results<'_>);
 
 /// The work in each reference frame, in the order of [`ReferenceFrame::ALL`].
 pub(crate) const fn of_frame(work: OfFrame) -> [Work; 3] {

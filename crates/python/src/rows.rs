@@ -6,6 +6,7 @@
 mod dynamics;
 mod kinematics;
 mod pullbacks;
+mod second_order;
 mod sections;
 mod space;
 mod table;
@@ -18,9 +19,16 @@ use crate::row::Row;
 
 /// A row by its method's name, in the default reference frame if it has one.
 pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
-    let all = [dynamics::ALL, pullbacks::ALL, kinematics::ALL, kinematics::FRAMES, space::ALL]
-        .into_iter()
-        .flatten();
+    let all = [
+        dynamics::ALL,
+        pullbacks::ALL,
+        second_order::ALL,
+        kinematics::ALL,
+        kinematics::FRAMES,
+        second_order::FRAMES,
+        space::ALL,
+    ];
+    let all = all.into_iter().flatten();
     all.copied().find(|row| row.name == name)
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use pyo3::prelude::*;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
-use robot_dynamics::derivatives::LinearizeStepWorkspace;
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, SecondOrderWorkspace};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::Dual;
 use robot_dynamics::simulation::{SensorMemory, SensorSet};
@@ -23,6 +23,7 @@ pub(crate) struct Scratch {
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
     sensors: Option<Box<SensorMemory>>,
     linearized: Option<Box<LinearizeStepWorkspace>>,
+    second_order: Option<Box<SecondOrderWorkspace>>,
 }
 
 impl Scratch {
@@ -34,6 +35,7 @@ impl Scratch {
             dual: None,
             sensors: None,
             linearized: None,
+            second_order: None,
         }
     }
 
@@ -43,6 +45,10 @@ impl Scratch {
 
     pub(crate) fn linearized(&mut self, model: &Model) -> &mut LinearizeStepWorkspace {
         self.linearized.get_or_insert_with(|| Box::new(LinearizeStepWorkspace::new(model)))
+    }
+
+    pub(crate) fn second_order(&mut self, model: &Model) -> &mut SecondOrderWorkspace {
+        self.second_order.get_or_insert_with(|| Box::new(SecondOrderWorkspace::new(model)))
     }
 
     pub(crate) fn dual(&mut self, model: &Model) -> &mut Workspace<Dual<f64, 1>> {

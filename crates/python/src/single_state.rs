@@ -9,7 +9,7 @@ use crate::errors::Class;
 use crate::ffi::{self, Array};
 use crate::number::Number;
 use crate::outcome;
-use crate::results::{MOST_RESULTS, Results};
+use crate::results::{MOST_OPERANDS, MOST_RESULTS, Results};
 use crate::robot::Robot;
 use crate::row::{Row, Shape, Width, Work};
 use crate::scratch::Scratch;
@@ -26,7 +26,7 @@ pub(crate) fn at_once<'py>(
     frames: &[FrameId],
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let mut read = [Array::NONE; 4];
+    let mut read = [Array::NONE; MOST_OPERANDS];
     for ((read, object), operand) in read.iter_mut().zip(operands).zip(row.operands) {
         match Array::of(object) {
             Some(array) if array.shape == operand.width.dims(&robot.model, frames.len()).as_slice() => {
@@ -65,7 +65,7 @@ pub(crate) fn checked(
     py: Python<'_>,
     robot: &Robot,
     row: &Row,
-    x: &[&[f64]; 4],
+    x: &[&[f64]; MOST_OPERANDS],
     frames: &[FrameId],
     results: Results<'_>,
 ) -> PyResult<()> {
@@ -77,7 +77,7 @@ pub(crate) fn checked(
 pub(crate) fn attempt(
     robot: &Robot,
     row: &Row,
-    x: &[&[f64]; 4],
+    x: &[&[f64]; MOST_OPERANDS],
     frames: &[FrameId],
     mut results: Results<'_>,
 ) -> Result<(), (Class, String)> {
@@ -143,7 +143,7 @@ pub(crate) fn compute(
     robot: &Robot,
     row: &Row,
     scratch: &mut Scratch,
-    x: &[&[f64]; 4],
+    x: &[&[f64]; MOST_OPERANDS],
     frames: &[FrameId],
     results: Results<'_>,
 ) {
@@ -157,7 +157,11 @@ pub(crate) fn compute(
 }
 
 /// The inputs of a row of the library's table: q, then the others in their order.
-pub(crate) fn inputs<'a, T>(quantity: Quantity, x: &[&'a [T]; 4], frames: &'a [FrameId]) -> Inputs<'a, T> {
+pub(crate) fn inputs<'a, T>(
+    quantity: Quantity,
+    x: &[&'a [T]; MOST_OPERANDS],
+    frames: &'a [FrameId],
+) -> Inputs<'a, T> {
     let mut inputs = Inputs { q: x[0], v: &[], a: &[], tau: &[], frames };
     let mut next = 1;
     for input in quantity.inputs() {
@@ -177,7 +181,7 @@ fn of_table(
     robot: &Robot,
     quantity: Quantity,
     scratch: &mut Scratch,
-    x: &[&[f64]; 4],
+    x: &[&[f64]; MOST_OPERANDS],
     frames: &[FrameId],
     [one, two, three, _]: Results<'_>,
 ) {

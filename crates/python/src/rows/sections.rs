@@ -53,6 +53,15 @@ macro_rules! argument {
     (cotangent) => {
         "cotangent : array_like, shape (..., nv)\n    Gradient, one number for each degree of freedom.\n"
     };
+    (direction) => {
+        concat!(
+            "direction : array_like, shape (..., 3·nv)\n",
+            "    Direction: a displacement of q, then changes of the next two arguments.\n",
+        )
+    };
+    (weights) => {
+        "weights : array_like, shape (..., 6)\n    Multipliers of the motion: linear, then angular.\n"
+    };
     (coordinates) => {
         "coordinates : array_like, shape (..., nq)\n    Gradient by the numbers of q.\n"
     };
@@ -125,6 +134,18 @@ macro_rules! shape {
     };
     (Cube) => {
         "(..., nv, nv, nv)"
+    };
+    (SixSquares) => {
+        "(..., 6, nv, nv)"
+    };
+    (Direction) => {
+        "(..., 3·nv)"
+    };
+    (Hessian) => {
+        "(..., 3·nv, 3·nv)"
+    };
+    (StateHessian) => {
+        "(..., 2·nv, 2·nv)"
     };
     (Rows($rows:literal)) => {
         concat!("(..., ", $rows, ", nv)")

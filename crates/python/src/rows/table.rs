@@ -14,6 +14,12 @@ macro_rules! operand {
     (coordinates) => {
         $crate::row::Operand { name: "coordinates", width: $crate::row::Width::Coordinates }
     };
+    (direction) => {
+        $crate::row::Operand { name: "direction", width: $crate::row::Width::Direction }
+    };
+    (weights) => {
+        $crate::row::Operand { name: "weights", width: $crate::row::Width::Six }
+    };
     (s) => {
         $crate::row::Operand { name: "s", width: $crate::row::Width::One }
     };

@@ -11,7 +11,7 @@ use crate::call::FEW_STATES;
 use crate::ffi::Kind;
 use crate::ffi::xla::XlaCall;
 use crate::number::Number;
-use crate::results::MOST_RESULTS;
+use crate::results::{MOST_OPERANDS, MOST_RESULTS};
 use crate::robot::Robot;
 use crate::row::Row;
 use crate::rows::row_named;
@@ -91,7 +91,7 @@ fn row_over<T: Number>(
                 return Err(text.clone());
             }
             let (read, written) = tables;
-            let mut x = [&[][..]; 4];
+            let mut x = [&[][..]; MOST_OPERANDS];
             x.iter_mut().zip(read).for_each(|(x, read)| *x = read);
             let mut results: [&mut [T]; MOST_RESULTS] = [&mut [], &mut [], &mut [], &mut []];
             results.iter_mut().zip(written).for_each(|(result, written)| *result = written);
@@ -111,7 +111,7 @@ fn one<T: Number>(
     robot: &Robot,
     row: &Row,
     frames: &[FrameId],
-    x: [&[T]; 4],
+    x: [&[T]; MOST_OPERANDS],
     results: [&mut [T]; MOST_RESULTS],
 ) {
     let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
