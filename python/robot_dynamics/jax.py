@@ -4,8 +4,10 @@ XLA calls the library without Python. Arrays are float64 (``jax_enable_x64``) or
 dimensions broadcast as everywhere in this package.
 
 Reverse mode computes vector-Jacobian products in O(n), without a Jacobian or M. Forward mode multiplies with
-the derivatives. Second derivatives raise an error. A gradient by q has its nq numbers. The functions depend
-on the direction of a quaternion only, so an optimiser must normalise q after its step (`Robot.normalize`).
+the derivatives. Gradients of `inverse_dynamics`, `forward_dynamics`, `mass_matrix` and `frame_pose` have
+derivatives in turn (`jax.hessian`, `jax.grad` of `jax.grad`); those by parameters, of `rollout` and of
+forward mode raise an error. A gradient by q has its nq numbers. The functions depend on the direction of a
+quaternion only, so an optimiser must normalise q after its step (`Robot.normalize`).
 
 Results are NaN for an invalid state (not finite, a quaternion not of unit length, a singular M) and for
 parameters that are not finite. Results of the other states are valid. Errors in the arguments raise an

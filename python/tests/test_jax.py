@@ -350,6 +350,44 @@ def test_invalid_states_are_nan_alone(panda: rd.Robot) -> None:
     assert np.isnan(found[2]).all() and np.isfinite(found[:2]).all()
 
 
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_hessians_are_those_of_numpy(panda: rd.Robot, solution: str) -> None:
+    q, v, x = (each[0] for each in given(panda, solution, count=1))
+    weights = np.linspace(-1.0, 1.0, panda.nv)
+    expected = getattr(panda, f"{solution}_hessian")(np.asarray(q), np.asarray(v), np.asarray(x), weights)
+
+    def loss(state: Any) -> Any:
+        return SOLUTIONS[solution](panda, *jnp.split(state, 3)) @ weights
+
+    state, size = jnp.concatenate([q, v, x]), np.abs(expected).max()
+    for hessian in (jax.hessian(loss), jax.jacrev(jax.jacrev(loss)), jax.jit(jax.hessian(loss))):
+        assert_allclose(hessian(state), expected, rtol=0, atol=1e-10 * size)
+
+
+def test_gradients_of_gradients_match_differences() -> None:
+    dog = load("quadruped")
+    q, v, a = (each[0] for each in given(dog, "inverse_dynamics", count=1))
+    tau = jnp.asarray(states(dog, 1).tau)[0]
+    foot = dog.frame_names[-1]
+    weights = jnp.asarray(states(dog, 1, seed=4).v)[0]
+    for gradient in (
+        jax.grad(lambda q: rdj.inverse_dynamics(dog, q, v, a) @ weights),
+        jax.grad(lambda q: rdj.forward_dynamics(dog, q, v, tau) @ weights),
+        jax.grad(lambda q: weights @ rdj.mass_matrix(dog, q) @ weights),
+        jax.grad(lambda q: (rdj.frame_pose(dog, q, foot)[:3] ** 2).sum()),
+    ):
+        # Along a displacement, so that the quaternions keep their length.
+        step = 1e-5
+        ahead, behind = (jnp.asarray(dog.integrate(q, sign * step * weights)) for sign in (1.0, -1.0))
+        along = (ahead - behind) / (2.0 * step)
+        found = jax.jvp(gradient, (q,), (along,))[1]
+        expected = (gradient(ahead) - gradient(behind)) / (2.0 * step)
+        size = max(1.0, float(jnp.abs(expected).max()))
+        assert_allclose(found, expected, rtol=0, atol=1e-5 * size)
+        transposed = jax.vjp(gradient, q)[1](jnp.ones(dog.nq))[0] @ along
+        assert_allclose(transposed, found.sum(), rtol=1e-7, atol=1e-7 * size)
+
+
 def test_errors_have_the_messages_of_this_package(panda: rd.Robot) -> None:
     q, v, a = given(panda, "inverse_dynamics")
     with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
@@ -365,7 +403,10 @@ def test_errors_have_the_messages_of_this_package(panda: rd.Robot) -> None:
     with pytest.raises(rd.FrameError, match="no frame 'nose'"):
         rdj.frame_pose(panda, q, "nose")
     with pytest.raises(NotImplementedError, match="second derivatives are not available"):
-        jax.hessian(lambda q: rdj.inverse_dynamics(panda, q, v[0], a[0]).sum())(q[0])
+        jax.hessian(lambda q: rdj.step(panda, q, v[0], dt=1e-3)[1].sum())(q[0])
+    p = jnp.asarray(panda.parameters())
+    with pytest.raises(NotImplementedError, match="with parameters: second derivatives are not available"):
+        jax.hessian(lambda q: rdj.inverse_dynamics(panda, q, v[0], a[0], parameters=p).sum())(q[0])
     with pytest.raises(NotImplementedError, match="second derivatives are not available"):
         jax.grad(lambda q: jax.jvp(lambda q: rdj.mass_matrix(panda, q).sum(), (q,), (q,))[1])(q[0])
 

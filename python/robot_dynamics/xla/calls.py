@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from robot_dynamics.xla.coordinates import coordinates, displacement
-from robot_dynamics.xla.primitives import RULES, Call, Linear, bind, tangent
+from robot_dynamics.xla.primitives import RULES, Call, Linear, bind, no_second_derivative, tangent
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
@@ -154,6 +154,33 @@ def _solution(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Array
     changed = call.has_parameters and len(changes) == len(operands)
     transpose = _solution_transpose_with_parameters if changed else _solution_transpose
     return linear_of(call, operands, changes, _solution_forward, transpose)
+
+
+# Second derivatives, by matrices: the gradient g = Jᵀλ changes by its derivative along the state, and by Jᵀ
+# δλ.
+
+
+def _pullback(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
+    if call.has_parameters:
+        raise no_second_derivative(f"{call.name} with parameters")
+    robot, (*state, _), solution = call.robot, operands, call.name.removesuffix("_pullback")
+    along = jnp.concatenate([displacement(robot, state[0], changes[0]), *changes[1:3]], axis=-1)
+    (derivative,) = row(robot, f"{call.name}_derivative", operands)
+    moved = jnp.split(jnp.einsum("...ij,...i->...j", derivative, along), 3, axis=-1)
+    jacobians = [*row(robot, f"{solution}_derivatives", state)]
+    if solution == "inverse_dynamics":
+        jacobians += row(robot, "mass_matrix", state[:1])
+    return [
+        each + jnp.einsum("...ij,...i->...j", jacobian, changes[3])
+        for each, jacobian in zip(moved, jacobians, strict=True)
+    ]
+
+
+def _jacobian(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
+    frame = dict(call.attributes)["frame"]
+    (derivative,) = row(call.robot, "frame_jacobian_derivative", operands, frame=frame)
+    along = displacement(call.robot, operands[0], changes[0])
+    return [jnp.einsum("...rjk,...k->...rj", derivative, along)]
 
 
 # M(q): column j is τ(q, 0, eⱼ) − τ(q, 0, 0).
@@ -328,5 +355,12 @@ def _rollout(call: Call, operands: Arrays, changes: Arrays, results: Arrays) -> 
 
 
 RULES.update(
-    inverse_dynamics=_solution, forward_dynamics=_solution, mass_matrix=_mass, frame_pose=_pose, rollout=_rollout
+    inverse_dynamics=_solution,
+    forward_dynamics=_solution,
+    inverse_dynamics_pullback=_pullback,
+    forward_dynamics_pullback=_pullback,
+    mass_matrix=_mass,
+    frame_pose=_pose,
+    frame_jacobian=_jacobian,
+    rollout=_rollout,
 )

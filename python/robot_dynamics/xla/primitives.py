@@ -5,7 +5,8 @@ robot's parameters are the last operand of a call that has them. They have no le
 share them.
 
 A call has a tangent if `RULES` has one: a linear map of the changes that depends on the operands. Reverse
-mode is its transpose. The maps are calls themselves, without rules, so second derivatives raise an error.
+mode is its transpose. The transposes of inverse and forward dynamics are calls with rules, so their gradients
+have derivatives. The maps themselves have none at other points: derivatives of forward mode raise an error.
 """
 
 from __future__ import annotations
@@ -140,13 +141,25 @@ def _linear(*operands: Any, linear: Linear) -> Sequence[Any]:
     return linear.forward(linear.call, operands[: linear.residuals], operands[linear.residuals :])
 
 
-def _no_second_derivative(name: str) -> Exception:
+def no_second_derivative(name: str) -> Exception:
+    """Error of a call without a derivative.
+
+    Parameters
+    ----------
+    name : str
+        Name of the call.
+
+    Returns
+    -------
+    Exception
+        The error, to raise.
+    """
     return NotImplementedError(f"{name}: second derivatives are not available, only first ones")
 
 
 def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call) -> tuple[Any, Any]:
     if call.name not in RULES:
-        raise _no_second_derivative(call.name)
+        raise no_second_derivative(call.name)
     results = call_p.bind(*operands, call=call)
     if call.has_parameters and type(changes[-1]) is ad.Zero:
         changes = changes[:-1]  # constant parameters need no tangent
@@ -157,7 +170,7 @@ def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call)
 def _jvp_of_linear(operands: Sequence[Any], changes: Sequence[Any], *, linear: Linear) -> tuple[Any, Any]:
     residuals, rest = operands[: linear.residuals], changes[linear.residuals :]
     if any(type(change) is not ad.Zero for change in changes[: linear.residuals]):
-        raise _no_second_derivative(linear.call.name)
+        raise no_second_derivative(linear.call.name)
     results = linear_p.bind(*operands, linear=linear)
     return results, linear_p.bind(*residuals, *map(ad.instantiate_zeros, rest), linear=linear)
 
