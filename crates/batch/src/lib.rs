@@ -41,6 +41,7 @@ mod computation;
 mod float;
 
 // and the public functions.
+mod constrained;
 mod construction;
 mod derivatives;
 mod equation;
@@ -53,6 +54,10 @@ mod rollout;
 mod simulations;
 
 pub use bad_states::BadStates;
+pub use constrained::{
+    ConstrainedDerivativesMut, ConstrainedInputs, ConstrainedPullbackMut,
+    constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
+};
 pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use float::BatchFloat;
