@@ -388,14 +388,26 @@ class Robot:
         """See `base_parameters`."""
     def _constrained_forward_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
         """See `constrained_forward_dynamics`."""
+    def _constrained_forward_dynamics_derivatives(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
+        """See `constrained_forward_dynamics_derivatives`."""
+    def _constrained_forward_dynamics_pullback(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, acceleration: Numbers | None, multipliers: Numbers | None, stabilization: float | None) -> _Record:
+        """See `constrained_forward_dynamics_pullback`."""
     def _constrained_inverse_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, a: Numbers, actuated: Sequence[bool] | None) -> _Record:
         """See `constrained_inverse_dynamics`."""
+    def _constrained_inverse_dynamics_derivatives(self, constraints: Constraints, q: Numbers, v: Numbers, a: Numbers, actuated: Sequence[bool] | None) -> _Record:
+        """See `constrained_inverse_dynamics_derivatives`."""
+    def _constrained_inverse_dynamics_pullback(self, constraints: Constraints, q: Numbers, v: Numbers, a: Numbers, tau: Numbers | None, multipliers: Numbers | None, actuated: Sequence[bool] | None) -> _Record:
+        """See `constrained_inverse_dynamics_pullback`."""
     def _constraint_projections(self, constraints: Constraints, q: Numbers) -> tuple[_Array, _Array]:
         """See `constraint_projections`."""
     def _constraint_rows(self, constraints: Constraints, q: Numbers, v: Numbers | None) -> _Record:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Constraints, q: Numbers, v: Numbers, restitution: float) -> _Record:
         """See `contact_impulse`."""
+    def _contact_impulse_derivatives(self, constraints: Constraints, q: Numbers, v: Numbers, restitution: float) -> _Record:
+        """See `contact_impulse_derivatives`."""
+    def _contact_impulse_pullback(self, constraints: Constraints, q: Numbers, v: Numbers, velocity: Numbers | None, impulse: Numbers | None, restitution: float) -> _Record:
+        """See `contact_impulse_pullback`."""
     def _convert(self, convention: str, back: bool, names: Sequence[str], given: Sequence[NDArray[Any] | None]) -> list[_Array | None]:
         """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row per
         state; the names are those of the arguments.

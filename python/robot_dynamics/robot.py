@@ -25,6 +25,7 @@ from robot_dynamics import (
     pullbacks,
     wrenches,
 )
+from robot_dynamics import constraint_derivatives
 from robot_dynamics import constraints as constraint_functions
 from robot_dynamics import fluid as fluid_functions
 from robot_dynamics import sensors as sensor_functions
@@ -600,6 +601,12 @@ class Robot(_native.Robot):
     contact_impulse = constraint_functions.contact_impulse
     project = constraint_functions.project
     constraint_projections = constraint_functions.constraint_projections
+    constrained_forward_dynamics_derivatives = constraint_derivatives.constrained_forward_dynamics_derivatives
+    constrained_forward_dynamics_pullback = constraint_derivatives.constrained_forward_dynamics_pullback
+    constrained_inverse_dynamics_derivatives = constraint_derivatives.constrained_inverse_dynamics_derivatives
+    constrained_inverse_dynamics_pullback = constraint_derivatives.constrained_inverse_dynamics_pullback
+    contact_impulse_derivatives = constraint_derivatives.contact_impulse_derivatives
+    contact_impulse_pullback = constraint_derivatives.contact_impulse_pullback
 
     # Control, planning and identification.
     inverse_kinematics = control.inverse_kinematics

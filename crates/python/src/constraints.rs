@@ -70,7 +70,7 @@ impl Constraints {
 /// Frame, point in it, normal in the world, friction.
 type SupportFields = (String, [f64; 3], [f64; 3], f64);
 
-fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<()> {
+pub(crate) fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<()> {
     let (found, nv) = (actuated.len(), robot.model.nv());
     if found == nv {
         return Ok(());

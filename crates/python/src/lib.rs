@@ -44,6 +44,7 @@ mod rows;
 // Functions of one state or of whole motions.
 mod checks;
 mod clock;
+mod constraint_derivatives;
 mod constraint_set;
 mod constraints;
 mod control;
