@@ -119,7 +119,9 @@ pub fn constrained_forward_dynamics_derivatives(
             model, memory, set, options, q, v, tau,
         );
         let Ok(by) = found else {
-            results.into_iter().for_each(|row| row.fill(f64::NAN));
+            for row in results {
+                row.fill(f64::NAN);
+            }
             bad.add(1, state);
             return;
         };
@@ -228,7 +230,9 @@ pub fn constrained_forward_dynamics_pullback(
             model, memory, set, options, inputs,
         );
         let Ok(by) = found else {
-            results.into_iter().for_each(|row| row.fill(f64::NAN));
+            for row in results {
+                row.fill(f64::NAN);
+            }
             bad.add(1, state);
             return;
         };
