@@ -13,10 +13,10 @@
 //!
 //! with the bracket of the joint's rotations or rigid motions; it is zero for all other joints.
 //!
-//! D_α g is the [pullback](crate::inverse_dynamics_pullback) over dual numbers, with four directions at once.
-//! A product H α costs a small multiple of the pullback, O(n). The Hessian takes 2nv directions: τ is linear
-//! in a and a is linear in τ, so those blocks are zero or follow from the others. The tensors are the
-//! derivatives of the [first derivatives](crate::inverse_dynamics_derivatives) in the same way.
+//! D_α g is the [pullback](crate::inverse_dynamics_pullback) over dual numbers, with four directions in one
+//! call: O(n). The Hessian takes 2nv directions: τ is linear in a and a is linear in τ, so those blocks are
+//! zero or follow from the others. The tensors are the derivatives of the
+//! [first derivatives](crate::inverse_dynamics_derivatives) in the same way.
 //!
 //! Sources: Griewank, Walther, *Evaluating Derivatives* (2008), ch. 5 (forward over reverse); Absil, Mahony,
 //! Sepulchre, *Optimization Algorithms on Matrix Manifolds* (2008), §5.5 (Hessians along retractions). For
