@@ -36,8 +36,10 @@ mod impulses;
 mod interruption;
 mod joints;
 mod linearization;
+mod measured;
 mod momentum;
 mod parts;
+mod path_stops;
 mod pivots;
 mod positions;
 mod restoration;
@@ -61,9 +63,11 @@ use self::impulses::Impulses;
 use self::joints::Joints;
 use self::linearization::StepRecord;
 use self::momentum::FreeTranslations;
+use self::path_stops::PathStops;
 use self::snapshot::StepSnapshot;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
+use crate::equality::rows::EqualityRows;
 use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
@@ -82,7 +86,7 @@ clone_in_place! {
     /// | damping, springs of joints | implicit, order 2, stable for any h |
     /// | forces of a fluid | drag implicit, lift and added mass explicit, order 2 |
     /// | friction of joints and tendons | static friction without creep; sliding of order 2 between reversals |
-    /// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
+    /// | limits of positions, of ball joints' angles, and of the lengths of tendons over joints and along paths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
     /// | closed loops, coupled joints | Lagrange multipliers |
     /// | the ground | rigid contact with Coulomb friction |
     /// | τ, gravity, C v | as in an explicit step of order 2 |
@@ -121,6 +125,10 @@ clone_in_place! {
         drive: Option<StepActuation>,
         contacts: Option<ContactImpulses>,
         equalities: Option<Equalities>,
+        /// The limits of spatial tendons.
+        paths: PathStops,
+        /// The number of tendons over joints.
+        tendons_over_joints: usize,
         translations: FreeTranslations,
         memory: ImplicitMemory,
         record: StepRecord,
@@ -184,10 +192,13 @@ impl ImplicitIntegrator {
         let tendons = model.description().tendons.iter();
         let tendons: Vec<_> = tendons.map(|tendon| JointSum::of_tendon(model, tendon).row()).collect();
         components.unite(tendons.iter().map(Vec::as_slice));
+        components.unite(joints.path_rows().map(|(row, _)| &joints.rows[row][..]));
         // One entry even if nothing moves.
         let trees = components.count().max(1);
         let kept = StepSnapshot::new(model, trees, impulses_kept);
-        Self {
+        let integrator = Self {
+            paths: PathStops::new(model, &joints),
+            tendons_over_joints: tendons.len(),
             factor,
             start: kept.clone(),
             kept,
@@ -225,12 +236,21 @@ impl ImplicitIntegrator {
                 before: vec![0.0; model.nq()],
                 uncorrected: vec![0.0; model.nq()],
             },
+        };
+        if integrator.paths.is_empty() {
+            return integrator;
         }
+        // The lengths of paths are not linear in q: positions return to their limits as to equalities.
+        integrator.with_equalities(model, EqualityRows::new(model, []), Vec::new())
     }
 
     /// Disables position limits.
     pub(crate) fn without_stops(mut self) -> Self {
         self.joints.stops.clear();
+        if !self.paths.is_empty() {
+            self.paths.clear();
+            self.equalities = None;
+        }
         self
     }
 

@@ -17,8 +17,6 @@ const STIFF: f64 = 0.5;
 pub(super) struct Kinds {
     friction: bool,
     limits: bool,
-    /// Limits of the lengths of spatial tendons.
-    path_limits: bool,
     /// Actuators that pull at contacts.
     adhesion: bool,
     /// Springs that yield.
@@ -53,13 +51,12 @@ impl Kinds {
             limits.lower.is_finite() || limits.upper.is_finite()
         };
         let has_limits = model.joints().iter().any(|joint| joint.nv > 0 && is_bound(&joint.limits))
-            || tendons.iter().any(|tendon| is_bound(&tendon.limits));
-        let has_path_limits = paths.iter().any(|tendon| is_bound(&tendon.limits));
+            || tendons.iter().any(|tendon| is_bound(&tendon.limits))
+            || paths.iter().any(|tendon| is_bound(&tendon.limits));
         let actuators = actuation.is_some_and(|actuation| actuation.control_count() > 0);
         Self {
             friction: dissipates && has_friction,
             limits: builder.acts(Effect::Limits) && has_limits,
-            path_limits: builder.acts(Effect::Limits) && has_path_limits,
             adhesion: actuation.is_some_and(Actuation::has_adhesion),
             #[cfg(feature = "adaptive")]
             yielding: actuation.is_some_and(Actuation::has_yielding_springs),
@@ -101,13 +98,12 @@ impl Kinds {
     /// The effects that act with this stepper.
     pub(super) fn acting(&self, stepper: &SimulationStepper, effort: Option<&[f64]>) -> Vec<Effect> {
         let holds_all = matches!(stepper.kind, StepperKind::Implicit(_) | StepperKind::Mujoco(_));
-        let is_mujoco = matches!(stepper.kind, StepperKind::Mujoco(_));
         let drives = stepper.drives();
         let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
         let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
         let all = [
             (Effect::Dissipation, self.dissipates && self.losses || drives && self.fluid),
-            (Effect::Limits, holds_all && self.limits || is_mujoco && self.path_limits),
+            (Effect::Limits, holds_all && self.limits),
             (Effect::EffortLimits, is_limited),
             (Effect::Springs, drives && self.springs),
             (Effect::Actuators, drives && self.actuators),
@@ -130,16 +126,12 @@ impl Kinds {
         Self { dissipates: false, friction: false, fluid: false, ..self }
     }
 
-    /// Lists the limits of spatial tendons and adhesion, which MuJoCo's law alone supports.
+    /// Lists adhesion, which MuJoCo's law alone supports.
     pub(super) fn list_left_out_beside_mujoco(&self, method: Method, left_out: &mut Vec<String>) {
         let name = method.name();
-        for (is_there, what) in [
-            (self.path_limits, "length limits of spatial tendons"),
-            (self.adhesion, "actuators that pull at contacts"),
-        ] {
-            if is_there && method != Method::Mujoco {
-                left_out.push(format!("{what}: `{name}` does not know them, `mujoco` does"));
-            }
+        if self.adhesion && method != Method::Mujoco {
+            left_out
+                .push(format!("actuators that pull at contacts: `{name}` does not know them, `mujoco` does"));
         }
     }
 

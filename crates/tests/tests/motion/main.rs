@@ -26,6 +26,7 @@ mod linearize_stepper;
 mod links;
 mod long_chains;
 mod moving_surfaces;
+mod path_stops;
 mod pullback;
 mod simulation;
 mod soft_law;

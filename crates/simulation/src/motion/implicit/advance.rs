@@ -45,6 +45,7 @@ impl ImplicitIntegrator {
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
         self.record_start();
+        self.paths.measure_start(model, workspace, q);
         self.translations.begin(model, workspace, h, (q, v));
         self.rosenbrock_step(model, workspace, tau, h, (q, v))?;
         self.lost.fill(Losses::default());
@@ -106,7 +107,7 @@ impl ImplicitIntegrator {
         q: &[f64],
         impacts: ImpactPolicy,
     ) -> AdvancedComponents {
-        let Self { joints, impulses, contacts, components, memory, .. } = self;
+        let Self { joints, impulses, contacts, components, paths, memory, .. } = self;
         let q1 = &mut memory.stage_q;
         integrate(model, q, &memory.displacement, q1);
         if let Some(contacts) = contacts {
@@ -115,7 +116,9 @@ impl ImplicitIntegrator {
         if impacts == ImpactPolicy::AcceptStep {
             return AdvancedComponents::All;
         }
-        for stop in joints.stops.iter().filter(|stop| impulses.meets(stop, q, q1)) {
+        paths.measure_end(model, workspace, q1);
+        let (start, end) = (paths.at_start(q), paths.at_end(q1));
+        for stop in joints.stops.iter().filter(|stop| impulses.meets(stop, start, end)) {
             components.set(Mark::Meets, components.tree_of_row(&joints.rows[stop.row]));
         }
         if !components.has_any(Mark::Meets) {
@@ -178,6 +181,7 @@ impl ImplicitIntegrator {
             impulses,
             equalities,
             translations,
+            paths,
             memory,
             interrupt,
             components,
@@ -189,7 +193,8 @@ impl ImplicitIntegrator {
         translations.restore(model, workspace, joints, q1, v1);
         record.record_before(v1);
         impulses.turn(stops, q1, v1);
-        impulses.choose(joints, stops, h, (q, q1), components);
+        paths.turn(model, workspace, q1, impulses);
+        impulses.choose(joints, stops, h, (paths.at_start(q), paths.at_end(q1)), components);
         // Impulses use g = ½h: they change positions by ½h times their change of velocity, so that the
         // dissipation of dampers matches the energy account. The contact problem has its own factor.
         if equalities.is_some() || !touches || impulses.has_rows_apart(components) {
@@ -274,14 +279,14 @@ impl ImplicitIntegrator {
 
     /// Records the losses of contacts, friction and stops, and keeps the multipliers for the next step.
     fn account_for_impulses(&mut self, h: f64, v: &[f64], has_impulses: bool) {
-        let Self { joints, impulses, contacts, equalities, memory, components, lost, .. } = self;
+        let Self { joints, impulses, contacts, equalities, paths, memory, components, lost, .. } = self;
         if let Some(contacts) = contacts {
             contacts.account(h, components, |leader, loss| {
                 lost[leader].sliding += loss.friction;
                 lost[leader].impacts += loss.impacts;
             });
         }
-        impulses.account(joints, h, (v, &memory.stage_v), components, lost);
+        impulses.account((joints, |row| paths.change_along(row)), h, (v, &memory.stage_v), components, lost);
         if let Some(equalities) = equalities.as_mut().filter(|_| has_impulses) {
             equalities.record_multipliers(h, impulses.of_held(), components);
         }

@@ -40,5 +40,10 @@ impl ImplicitIntegrator {
         for (row, number) in self.joints.tendon_rows() {
             tendons[number] += forces[row];
         }
+        // Spatial tendons follow those over joints.
+        let first = self.tendons_over_joints;
+        for (row, number) in self.joints.path_rows() {
+            tendons[first + number] += forces[row];
+        }
     }
 }

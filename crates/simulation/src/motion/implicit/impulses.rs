@@ -10,6 +10,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use super::bounded_problem::BoundedProblem;
 use super::joints::{Joints, Stop};
+use super::measured::Measured;
 use crate::contact::{Components, Interrupt, Mark, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
 
@@ -40,7 +41,7 @@ clone_in_place! {
         terms: Vec<Vec<(usize, f64)>>,
         /// The number of rows of joints and tendons; the rows of equalities follow.
         own: usize,
-        /// The first row of ball joints, whose factors depend on q.
+        /// The first row of paths or ball joints, whose factors depend on q.
         turning: usize,
         /// The rows of equalities that are enforced in this step.
         held: Vec<usize>,
@@ -160,13 +161,23 @@ impl Impulses {
         &self.terms
     }
 
+    /// Sets the factors of a row to these derivatives by all coordinates.
+    pub(super) fn set_row(&mut self, row: usize, derivatives: &[f64]) {
+        self.terms[row].iter_mut().for_each(|(k, factor)| *factor = derivatives[*k]);
+    }
+
+    /// A row's force in the last step without impacts \[N·m or N\].
+    pub(super) fn carried(&self, row: usize) -> f64 {
+        self.memory.carried[row]
+    }
+
     /// Whether any of these forces is not zero.
     pub(super) fn acts(&self) -> bool {
         self.memory.carried.iter().any(|force| *force != 0.0)
     }
 
     /// Whether the step from q₀ to q₁ meets this stop.
-    pub(super) fn meets(&self, stop: &Stop, q0: &[f64], q1: &[f64]) -> bool {
+    pub(super) fn meets(&self, stop: &Stop, q0: Measured<'_>, q1: Measured<'_>) -> bool {
         stop.gap(q1) < 0.0 && !is_on(stop, &self.memory.held, q0)
     }
 
@@ -184,7 +195,7 @@ impl Impulses {
         joints: &Joints,
         stops: &[Stop],
         h: f64,
-        (q0, q1): (&[f64], &[f64]),
+        (q0, q1): (Measured<'_>, Measured<'_>),
         components: &Components,
     ) {
         for (terms, stopped) in self.terms.iter().zip(&mut self.memory.stopped) {
@@ -291,11 +302,12 @@ impl Impulses {
 
     /// Adds the step's losses to those of each component, at its first tree: −λ times the mean of the
     /// velocities before and after. The part of λ within the bounds of friction belongs to friction, the rest
-    /// to the stop. A negative loss belongs to a velocity that overshot. The forces are stored for the next
-    /// step, except in components with an impact on a stop or elsewhere.
+    /// to the stop. A negative loss belongs to a velocity that overshot. The row of a path turns within the
+    /// step. The force of the last step did the work f Δℓ along it, and `change_along` gives Δℓ. The forces
+    /// are stored for the next step, except in components with an impact on a stop or elsewhere.
     pub(super) fn account(
         &mut self,
-        joints: &Joints,
+        (joints, change_along): (&Joints, impl Fn(usize) -> Option<f64>),
         h: f64,
         (v0, v1): (&[f64], &[f64]),
         components: &Components,
@@ -318,7 +330,10 @@ impl Impulses {
             let (losses, is_impact) = (&mut losses[components.leader(tree)], components.has(Mark::Hit, tree));
             let mean = 0.5 * (along(&self.terms[row], v0) + along(&self.terms[row], v1));
             losses.friction -= friction * mean;
-            losses.stops -= (whole - friction) * mean;
+            losses.stops -= match change_along(row) {
+                Some(change) => problem.x[i] * mean + self.memory.carried[row] * change,
+                None => (whole - friction) * mean,
+            };
             self.memory.stopped[row] = (whole - friction) / h;
             self.memory.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
@@ -358,7 +373,7 @@ impl Impulses {
 }
 
 /// Whether a joint at q is on its stop.
-fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
+fn is_on(stop: &Stop, held: &[f64], q: Measured<'_>) -> bool {
     is_on_at(stop, held, stop.gap(q))
 }
 

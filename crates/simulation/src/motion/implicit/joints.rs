@@ -6,13 +6,15 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
+use robot_dynamics_core::kinematics::tendon_path::TendonPath;
 use robot_dynamics_description::{JointKind, Quaternion};
 
+use super::measured::Measured;
 use crate::Actuation;
 use crate::actuation::Coupling;
 
-/// A bound sign·(x − bound) ≥ 0, where x is a coordinate q\[i\], a tendon's length ℓ(q), or the rotation
-/// angle of a ball joint.
+/// A bound sign·(x − bound) ≥ 0, where x is a coordinate q\[i\], the length ℓ(q) of a tendon over joints or
+/// along a path, or the rotation angle of a ball joint.
 #[derive(Clone, Debug)]
 pub(super) struct Stop {
     /// The row that it bounds.
@@ -28,6 +30,8 @@ pub(super) enum Length {
     /// This entry of q.
     Coordinate(usize),
     Tendon(JointSum),
+    /// The length of the path with this index among those that are bounded.
+    Path(usize),
     /// The angle of the quaternion that starts at this entry.
     Turn(usize),
 }
@@ -35,10 +39,12 @@ pub(super) enum Length {
 impl Stop {
     /// The distance from the stop, negative beyond it.
     #[inline]
-    pub(super) fn gap(&self, q: &[f64]) -> f64 {
+    pub(super) fn gap<'a>(&self, at: impl Into<Measured<'a>>) -> f64 {
+        let Measured { q, lengths } = at.into();
         let length = match &self.length {
             Length::Coordinate(at) => q[*at],
             Length::Tendon(sum) => sum.at(q),
+            Length::Path(path) => lengths[*path],
             Length::Turn(at) => turned(*at, q).norm(),
         };
         self.sign * (length - self.bound)
@@ -46,7 +52,12 @@ impl Stop {
 
     /// The gap at q without the fraction `kept` of a violation at q₀: a correction makes it nonnegative.
     #[inline]
-    pub(super) fn gap_to_correct(&self, q0: &[f64], kept: f64, q: &[f64]) -> f64 {
+    pub(super) fn gap_to_correct<'a>(
+        &self,
+        q0: impl Into<Measured<'a>>,
+        kept: f64,
+        q: impl Into<Measured<'a>>,
+    ) -> f64 {
         self.gap(q) - self.gap(q0).min(0.0) * kept
     }
 }
@@ -71,8 +82,8 @@ clone_in_place! {
         /// Whether each coordinate has a stop of its own.
         is_bounded: Vec<bool>,
         /// The rows along which impulses act, each as coordinates with factors: first every coordinate, then
-        /// tendons with bounds or friction, then ball joints with bounds. The factors of ball joints depend
-        /// on q.
+        /// tendons over joints with bounds or friction, then paths with bounds, then ball joints with bounds.
+        /// The factors of paths and ball joints depend on q.
         pub(super) rows: Vec<Vec<(usize, f64)>>,
         /// The stiffness and damping of servos and tendons, whose forces are evaluated elsewhere.
         driven_stiffness: Vec<f64>,
@@ -90,6 +101,8 @@ clone_in_place! {
         tendons: Vec<(usize, f64)>,
         /// The indices of these tendons in the description.
         tendon_numbers: Vec<usize>,
+        /// The row of each bounded path, and its index among the spatial tendons of the description.
+        paths: Vec<(usize, usize)>,
     }
 }
 
@@ -112,10 +125,12 @@ impl Joints {
             all_friction: vec![0.0; nv],
             tendons: Vec::new(),
             tendon_numbers: Vec::new(),
+            paths: Vec::new(),
         };
         joints.add_passive_forces(model);
         joints.add_joint_stops(model);
         joints.add_tendons(model);
+        joints.add_paths(model);
         joints.add_ball_stops(model);
         joints.friction.resize(joints.rows.len(), 0.0);
         joints.all_friction.resize(joints.rows.len(), 0.0);
@@ -170,6 +185,30 @@ impl Joints {
                 }
             }
             self.rows.push(terms);
+        }
+    }
+
+    /// Adds the rows of spatial tendons with bounds, and their stops.
+    fn add_paths(&mut self, model: &Model) {
+        let tendons = model.description().spatial_tendons.iter();
+        if !tendons.clone().any(|tendon| tendon.limits.lower.is_finite() || tendon.limits.upper.is_finite()) {
+            return;
+        }
+        for (number, (tendon, path)) in tendons.zip(TendonPath::all(model)).enumerate() {
+            let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
+            let coordinates = path.coordinates(model);
+            let is_bounded = lower.is_finite() || upper.is_finite();
+            if coordinates.is_empty() || !is_bounded || lower > upper {
+                continue;
+            }
+            let (row, length) = (self.rows.len(), Length::Path(self.paths.len()));
+            for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
+                if bound.is_finite() {
+                    self.stops.push(Stop { row, length: length.clone(), bound, sign });
+                }
+            }
+            self.paths.push((row, number));
+            self.rows.push(coordinates.into_iter().map(|k| (k, 0.0)).collect());
         }
     }
 
@@ -242,9 +281,9 @@ impl Joints {
         self.friction[row]
     }
 
-    /// The first row of ball joints.
+    /// The first row whose factors depend on q.
     pub(super) fn first_turning(&self) -> usize {
-        let turns = |stop: &&Stop| matches!(stop.length, Length::Turn(_));
+        let turns = |stop: &&Stop| matches!(stop.length, Length::Path(_) | Length::Turn(_));
         self.stops.iter().find(turns).map_or(self.rows.len(), |stop| stop.row)
     }
 
@@ -252,7 +291,12 @@ impl Joints {
         self.friction.iter().any(|friction| *friction > 0.0)
     }
 
-    /// The rows of tendons, each with the tendon's index in the description.
+    /// The row of each bounded path, and its index among the spatial tendons of the description.
+    pub(super) fn path_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.paths.iter().copied()
+    }
+
+    /// The rows of tendons over joints, each with the tendon's index in the description.
     pub(super) fn tendon_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.tendons.iter().zip(&self.tendon_numbers).map(|(&(row, _), &number)| (row, number))
     }

@@ -74,6 +74,9 @@ impl ImplicitIntegrator {
     /// The effect of this robot that has no analytic derivative, if there is one.
     fn part_without_derivative(&self) -> Option<&'static str> {
         let drive = self.drive.as_ref().map(StepActuation::actuation);
+        if !self.paths.is_empty() {
+            return Some("limits of spatial tendons");
+        }
         if self.equalities.is_some() {
             return Some("closed loops or equalities");
         }

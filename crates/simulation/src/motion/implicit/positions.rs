@@ -47,8 +47,9 @@ impl ImplicitIntegrator {
 
     /// Marks the components that start deep beyond a stop: their return moves the weight without a force.
     fn mark_deep_stops(&mut self, q: &[f64]) {
-        let Self { joints, impulses, components, .. } = self;
-        for stop in joints.stops.iter().filter(|stop| stop.gap(q) < -DEEP) {
+        let Self { joints, impulses, components, paths, .. } = self;
+        let start = paths.at_start(q);
+        for stop in joints.stops.iter().filter(|stop| stop.gap(start) < -DEEP) {
             if impulses.is_active(stop.row, components) {
                 components.set(Mark::Deep, impulses.tree_of(stop.row, components));
             }
@@ -73,7 +74,9 @@ impl ImplicitIntegrator {
         q: &[f64],
         is_written: bool,
     ) {
-        let Self { joints, factor, impulses, contacts, equalities, memory, components, record, .. } = self;
+        let Self {
+            joints, factor, impulses, contacts, equalities, paths, memory, components, record, ..
+        } = self;
         let Some(contacts) = contacts else { return };
         let ImplicitMemory { force: change, stage_q: q1, matrix, before, .. } = memory;
         if !is_written {
@@ -81,12 +84,13 @@ impl ImplicitIntegrator {
         }
         let kept = returns(h);
         for lifted in 0..MOST_LIFTS {
+            paths.turn(model, workspace, q1, impulses);
             let own = joints.stops.iter().filter(|stop| impulses.is_active(stop.row, components));
             let bounds = own.map(|stop| {
-                let gap = stop.gap_to_correct(q, kept, q1);
+                let gap = stop.gap_to_correct(paths.at_start(q), kept, paths.at_end(q1));
                 // A joint may leave its stop if the correction would otherwise leave a penetration.
                 let holds = lifted == 0 && impulses.holds(stop, gap);
-                let was_violated = stop.gap(q) < 0.0;
+                let was_violated = stop.gap(paths.at_start(q)) < 0.0;
                 Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
             });
             let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
@@ -115,16 +119,18 @@ impl ImplicitIntegrator {
         h: f64,
         q: &[f64],
     ) -> Result<(), IntegratorError> {
-        let Self { joints, factor, impulses, equalities, memory, components, kept, record, .. } = self;
+        let Self { joints, factor, impulses, equalities, paths, memory, components, kept, record, .. } = self;
         let ImplicitMemory { force: change, stage_q: q1, .. } = memory;
         let stops = &joints.stops[..];
-        for stop in stops.iter().filter(|stop| stop.gap(q1) < -BEYOND) {
+        paths.measure_end(model, workspace, q1);
+        let end = paths.at_end(q1);
+        for stop in stops.iter().filter(|stop| stop.gap(end) < -BEYOND) {
             if impulses.is_active(stop.row, components) {
                 kept.is_rough[impulses.tree_of(stop.row, components)] = true;
             }
         }
         if let Some(equalities) = equalities {
-            let rest = (equalities, stops, &*components);
+            let rest = (equalities, (stops, paths), &*components);
             impulses.put_on_equalities((model, workspace), factor, rest, h, (q, q1), change)
         } else {
             let state = (q, &mut q1[..]);

@@ -61,7 +61,7 @@ impl ImplicitIntegrator {
     /// Writes the forces of friction, stops, contacts and equalities of the last step to `memory.carried`, at
     /// the middle of this step.
     fn carry_constraint_forces(&mut self, model: &Model, workspace: &mut Workspace) {
-        let Self { joints, impulses, contacts, equalities, memory, .. } = self;
+        let Self { joints, impulses, contacts, equalities, paths, memory, .. } = self;
         let ImplicitMemory { stage_q: middle, carried, .. } = memory;
         carried.copy_from_slice(impulses.forces());
         if let Some(contacts) = contacts {
@@ -70,6 +70,7 @@ impl ImplicitIntegrator {
         if let Some(equalities) = equalities {
             equalities.carry(model, workspace, middle, carried);
         }
+        paths.carry(model, workspace, middle, impulses, carried);
         impulses.add_turned(&joints.stops, middle, carried);
     }
 

@@ -5,6 +5,7 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::super::equalities::Equalities;
 use super::super::joints::Stop;
+use super::super::path_stops::PathStops;
 use super::super::stiff_factor::StiffFactor;
 use super::landing::{land_on_stops, nearer_stop};
 use super::{Impulses, ROUNDING};
@@ -57,21 +58,21 @@ impl Impulses {
         &mut self,
         (model, workspace): (&Model, &mut Workspace),
         factor: &StiffFactor,
-        (equalities, stops, components): (&mut Equalities, &[Stop], &Components),
+        (equalities, (stops, paths), components): (&mut Equalities, (&[Stop], &mut PathStops), &Components),
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
     ) -> Result<(), IntegratorError> {
         let kept = returns(h);
-        let gap = |stop: &Stop, q: &[f64]| stop.gap_to_correct(q0, kept, q);
         for _ in 0..MOST_ROUNDS {
             equalities.place(model, workspace, q1);
+            paths.turn(model, workspace, q1, self);
+            let gap = |stop: &Stop| stop.gap_to_correct(paths.at_start(q0), kept, paths.at_end(q1));
             let is_off = equalities.gaps(h).any(|gap| gap.abs() > ROUNDING);
             let mut own = stops.iter().filter(|stop| self.is_active(stop.row, components));
-            if !is_off && own.all(|stop| gap(stop, q1) >= -ROUNDING) {
+            if !is_off && own.all(|stop| gap(stop) >= -ROUNDING) {
                 break;
             }
-            let gap = |stop: &Stop| gap(stop, q1);
             self.newton_step(factor, (equalities, stops, components), h, gap, change)?;
             self.before.copy_from_slice(q1);
             integrate(model, &self.before, change, q1);

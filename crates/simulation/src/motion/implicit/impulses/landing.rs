@@ -58,7 +58,7 @@ impl Impulses {
             let known = self.rows.len();
             for stop in stops {
                 let is_own = self.tree_of(stop.row, components) == tree;
-                if is_own && gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
+                if is_own && gap(stop, &*q1) < 0.0 && !self.rows.contains(&stop.row) {
                     self.rows.push(stop.row);
                 }
             }
@@ -101,12 +101,9 @@ pub(super) fn nearer_stop(stops: &[Stop], row: usize, gap: impl Fn(&Stop) -> f64
 /// Moves joints that are next to a stop by rounding exactly onto it.
 pub(in super::super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
     for stop in stops {
-        let gap = stop.gap(q1);
-        if let Length::Coordinate(at) = stop.length
-            && gap < ROUNDING
-            && gap > -1e-9
-            && stop.gap(q0) >= 0.0
-        {
+        let Length::Coordinate(at) = stop.length else { continue };
+        let gap = stop.gap(&*q1);
+        if gap < ROUNDING && gap > -1e-9 && stop.gap(q0) >= 0.0 {
             q1[at] = stop.bound;
         }
     }
@@ -155,7 +152,7 @@ mod tests {
 
             let mut contacts = ContactImpulses::new(&model, set.clone());
             let bounds = joints.stops.iter().map(|stop| {
-                let gap = stop.gap(&[BEYOND, 0.0]);
+                let gap = stop.gap(&[BEYOND, 0.0][..]);
                 let holds = impulses.holds(stop, gap);
                 let was_violated = false;
                 Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
