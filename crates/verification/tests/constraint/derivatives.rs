@@ -67,6 +67,7 @@ fn largest(matrix: &DMatrix<f64>) -> f64 {
 
 /// Sets of every kind of constraint on a random robot with ball, floating and mimic joints.
 fn sets(model: &Model, random: &mut SplitMix64) -> Vec<(&'static str, ConstraintSet)> {
+    use SpatialAxis::{Rx, Ry, Rz, X, Y, Z};
     let links: Vec<FrameId> =
         model.links().iter().map(|link| model.frame(&link.name).expect("a link")).collect();
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // below the number of links
@@ -81,7 +82,6 @@ fn sets(model: &Model, random: &mut SplitMix64) -> Vec<(&'static str, Constraint
         rows: rows.to_vec(),
     };
     let joined = |one, other, rows: &[SpatialAxis]| FrameConstraint::between(one, other, rows);
-    use SpatialAxis::{Rx, Ry, Rz, X, Y, Z};
     let mut all: Vec<(&'static str, Vec<(&str, Constraint)>)> = vec![
         ("ball", vec![("ball", joined(a, b, &FrameConstraint::BALL).into())]),
         ("turns", vec![("turns", joined(a, c, &[Rx, Ry, Rz]).into())]),
