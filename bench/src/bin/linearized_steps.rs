@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use robot_dynamics::contact::Ground;
 use robot_dynamics::derivatives::{
-    LinearizationMethod, LinearizedStep, RobotState, linearize_by_differences, linearize_stepper,
+    LinearizationMethod, LinearizedStep, RobotState, linearize_by_differences,
 };
 use robot_dynamics::description::{Base, Limits};
 use robot_dynamics::model::{Model, neutral};

@@ -86,9 +86,9 @@ impl PathTable {
         let element = self.elements[entry];
         let token = tokens.get(usize::try_from(element.unsigned_abs()).unwrap_or(usize::MAX))?;
         if element < 0 {
-            check_property_name(token)?
+            check_property_name(token)?;
         } else {
-            check_element(token)?
+            check_element(token)?;
         }
         Ok(parent + 1 + token.len())
     }

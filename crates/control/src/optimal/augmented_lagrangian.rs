@@ -4,9 +4,9 @@
 //! λ ← μ (z − Π z) and the tolerances shrink; otherwise μ grows. Bounds on the controls stay in the inner
 //! solver.
 //!
-//! Sources: Conn, Gould, Toint, *A globally convergent augmented Lagrangian algorithm*, SIAM J. Numer. Anal.
-//! 28 (1991); Jallet, Bambade, Arlaud, El-Kazdadi, Mansard, Carpentier, *ProxDDP: proximal constrained
-//! trajectory optimization*, IEEE Trans. Robotics 41 (2025).
+//! Sources: Conn, Gould, Toint, *A globally convergent augmented Lagrangian algorithm*, SIAM Journal on
+//! Numerical Analysis 28 (1991); Jallet, Bambade, Arlaud, El-Kazdadi, Mansard, Carpentier, *ProxDDP: proximal
+//! constrained trajectory optimization*, IEEE Trans. Robotics 41 (2025).
 
 use std::ops::ControlFlow;
 use std::time::Instant;

@@ -57,7 +57,7 @@ fn run(
 fn pendulum([mut angle, mut rate]: [f64; 2], time: f64) -> [f64; 2] {
     let h = 1e-4;
     let slope = |[angle, rate]: [f64; 2]| [rate, -G * angle.sin()];
-    let steps = (0..).take_while(|k| f64::from(*k) * h < time - 0.5 * h).count();
+    let steps = (0..1_000_000).take_while(|k| f64::from(*k) * h < time - 0.5 * h).count();
     for _ in 0..steps {
         let x = [angle, rate];
         let along = |s: [f64; 2], c: f64| [x[0] + c * s[0], x[1] + c * s[1]];

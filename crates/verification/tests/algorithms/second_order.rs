@@ -100,7 +100,7 @@ impl Case {
         let mut vector = || -> Vec<f64> { (0..n).map(|_| random.uniform(-1.0, 1.0)).collect() };
         let [first, second] = [(); 2].map(|()| [(); 3].map(|()| vector()));
         let cotangent = vector();
-        let wrenches = if robot.seed % 2 == 0 { vec![] } else { robot.wrenches() };
+        let wrenches = if robot.seed.is_multiple_of(2) { vec![] } else { robot.wrenches() };
         Self { robot, first, second, cotangent, wrenches }
     }
 
@@ -395,7 +395,7 @@ fn a_planar_arm_has_its_closed_form() -> Result<(), Box<dyn std::error::Error>> 
         let mass = MassProperties::new(m, [length, 0.0, 0.0].into(), Matrix3::zeros())?;
         robot.links.push(LinkDescription::new(name, mass));
         let place = Pose { translation: [at, 0.0, 0.0], ..Pose::IDENTITY };
-        robot.joints.push(JointDescription::new(name, about_z.clone(), parent, name, place));
+        robot.joints.push(JointDescription::new(name, about_z, parent, name, place));
     }
     let model = Model::new(robot)?;
     let (q, v, a) = ([0.4, 0.9], [1.2, -0.7], [2.0, 0.5]);
@@ -420,8 +420,9 @@ fn jacobian_derivatives_match_duals() {
     for case in Case::all() {
         let Robot { model, state, .. } = &case.robot;
         let (n, frames) = (model.nv(), model.frames());
-        let frame =
-            model.frame(&frames[case.robot.seed as usize % frames.len()].name).expect("its own frame");
+        let frame = model
+            .frame(&frames[usize::try_from(case.robot.seed).unwrap() % frames.len()].name)
+            .expect("its own frame");
         let dual = &mut Workspace::<Dual<f64, 1>>::new(model);
         let w = &mut Workspace::new(model);
         for seen in ReferenceFrame::ALL {
@@ -447,8 +448,9 @@ fn frame_velocities_match_nested_duals() {
     for case in Case::all() {
         let Robot { model, state, .. } = &case.robot;
         let (n, frames) = (model.nv(), model.frames());
-        let frame =
-            model.frame(&frames[case.robot.seed as usize % frames.len()].name).expect("its own frame");
+        let frame = model
+            .frame(&frames[usize::try_from(case.robot.seed).unwrap() % frames.len()].name)
+            .expect("its own frame");
         let (workspace, dual) = (&mut SecondOrderWorkspace::new(model), &mut Workspace::<Second>::new(model));
         let cotangent = [0.3, -0.8, 0.5, 0.9, 0.2, -0.6];
         for reference_frame in ReferenceFrame::ALL {
@@ -479,8 +481,9 @@ fn frame_poses_match_nested_duals() {
     for case in Case::all() {
         let Robot { model, state, .. } = &case.robot;
         let (n, frames) = (model.nv(), model.frames());
-        let frame =
-            model.frame(&frames[case.robot.seed as usize % frames.len()].name).expect("its own frame");
+        let frame = model
+            .frame(&frames[usize::try_from(case.robot.seed).unwrap() % frames.len()].name)
+            .expect("its own frame");
         let (w, dual) = (&mut Workspace::new(model), &mut Workspace::<Second>::new(model));
         let q = moved(model, &state.q, &case.first[0], &case.second[0]);
         let pose = frame_pose(model, dual, &q, frame);
