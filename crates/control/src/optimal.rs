@@ -30,7 +30,9 @@ pub use augmented_lagrangian::{
 };
 pub use control_bounds::ControlBounds;
 pub use cost::{Activation, Cost, CostExpansion, CostTerm, LeastSquares, Weights};
-pub use dynamics::{ActuationMatrix, DiscreteDynamics, LinearDynamics, LinearizedDynamics, SmoothStep};
+pub use dynamics::{
+    ActuationMatrix, DiscreteDynamics, LinearDynamics, LinearizedDynamics, SimulationStep, SmoothStep,
+};
 pub use error::{Evaluation, OptimalControlError};
 pub use mpc::{Mpc, MpcOptions, MpcTimes};
 pub use problem::Problem;

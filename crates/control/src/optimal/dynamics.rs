@@ -2,10 +2,12 @@
 
 mod actuation_matrix;
 mod linear;
+mod simulation_step;
 mod smooth_step;
 
 pub use actuation_matrix::ActuationMatrix;
 pub use linear::LinearDynamics;
+pub use simulation_step::SimulationStep;
 pub use smooth_step::SmoothStep;
 
 use robot_dynamics_simulation::StepError;

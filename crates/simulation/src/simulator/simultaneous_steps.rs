@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use robot_dynamics_core::{InstructionSet, Model};
+use robot_dynamics_core::InstructionSet;
 use robot_dynamics_integrators::Integrator;
 
 use super::{Method, Simulation};
@@ -20,11 +20,6 @@ pub struct StepStart<'a> {
 }
 
 impl Simulation {
-    /// The robot, shared between copies of the simulation.
-    pub fn shared_model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
     /// The explicit row that takes the next steps, whether damping and friction act, and the step \[s\].
     /// `None` for other methods, under wrenches or actuation, and if only portable instructions are
     /// available.

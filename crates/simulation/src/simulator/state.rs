@@ -24,6 +24,11 @@ pub struct Snapshot {
 }
 
 impl Simulation {
+    /// The robot, shared between copies of the simulation.
+    pub fn shared_model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
     /// The time \[s\].
     pub fn time(&self) -> f64 {
         self.run.time

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod constraints;
+mod contact;
 mod derivatives;
 mod linear_quadratic;
 mod mpc;

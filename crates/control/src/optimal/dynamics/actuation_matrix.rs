@@ -63,6 +63,17 @@ impl ActuationMatrix {
         self.controls
     }
 
+    /// # Errors
+    /// S does not have nv rows, or has no column.
+    pub(super) fn check(&self, model: &Model) -> Result<(), InvalidInput> {
+        if self.dofs != model.nv() || self.controls == 0 {
+            let (rows, columns, nv) = (self.dofs, self.controls, model.nv());
+            let shape = format!("is {rows}×{columns}; robot `{}` needs {nv} rows and a column", model.name());
+            return Err(InvalidInput::unmet("the actuation matrix", shape));
+        }
+        Ok(())
+    }
+
     /// τ = S u.
     pub fn forces(&self, u: &[f64], tau: &mut [f64]) {
         tau.fill(0.0);

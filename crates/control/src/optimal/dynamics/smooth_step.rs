@@ -75,12 +75,7 @@ impl SmoothStep {
     /// # Errors
     /// [`InvalidInput`] if S does not have nv rows, or has no column.
     pub fn with_actuation(mut self, actuation: ActuationMatrix) -> Result<Self, InvalidInput> {
-        if actuation.dofs() != self.model.nv() || actuation.controls() == 0 {
-            let (rows, columns, nv) = (actuation.dofs(), actuation.controls(), self.model.nv());
-            let shape =
-                format!("is {rows}×{columns}; robot `{}` needs {nv} rows and a column", self.model.name());
-            return Err(InvalidInput::unmet("the actuation matrix", shape));
-        }
+        actuation.check(&self.model)?;
         self.actuation = actuation;
         Ok(self)
     }
