@@ -218,7 +218,7 @@ class Computation:
         missing = [name for name in self.keep if batch.schema.get_field_index(name) < 0]
         if missing:
             raise ColumnError(f"no column {missing} to keep; there are {batch.schema.names}")
-        widths = {"nq": self.robot.nq, "nv": self.robot.nv, "1": 1}
+        widths = {"nq": self.robot.nq, "nv": self.robot.nv, "3nv": 3 * self.robot.nv, "6": 6, "1": 1}
         state: dict[str, NDArray[Any]] = {}
         for name, (column, part) in self.sources.items():
             width = widths[_WIDTHS.get(name, "nv")]
@@ -363,7 +363,7 @@ def stream(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
     return pa.RecordBatchReader.from_batches(computation.schema(reader.schema), results())
 
 
-_WIDTHS = {"q": "nq", "q0": "nq", "q1": "nq", "coordinates": "nq", "s": "1"}
+_WIDTHS = {"q": "nq", "q0": "nq", "q1": "nq", "coordinates": "nq", "direction": "3nv", "weights": "6", "s": "1"}
 
 
 def _parse_source(text: str) -> tuple[str, slice]:

@@ -36,6 +36,7 @@ def test_every_quantity_is_what_its_method_gives(quadruped: rd.Robot) -> None:
     random = np.random.default_rng(2)
     state: dict[str, Any] = {name: getattr(s, name) for name in ("q", "v", "a", "tau", "cotangent", "coordinates")}
     state |= {"d": s.v, "q0": s.q, "q1": s.q[::-1].copy(), "s": random.uniform(0.0, 1.0, 5)}
+    state |= {"direction": np.hstack([s.v, s.a, s.cotangent]), "weights": random.uniform(-1.0, 1.0, (5, 6))}
     given_table = pa.table({name: column_of(array, NONE) for name, array in state.items()})
     names = [name.replace("FRAME", frame) for name in arrow.quantity_names()]
     assert len(names) > 50
