@@ -29,7 +29,7 @@ use crate::{StepError, StepForces, StepWorkspace, Stepper};
 /// use robot_dynamics::model::Model;
 /// use robot_dynamics::simulation::{Method, SimulationBuilder, StepForces, StepWorkspace};
 /// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].passive = PassiveForces::default().with_friction(3.0);
+/// robot.joints[0].passive = PassiveForces::default().with_friction(30.0);
 /// let model = Model::new(robot)?;
 /// let mut stepper = SimulationBuilder::new(&model).method(Method::Implicit).build()?.into_stepper();
 /// let (mut a, mut b) = ([0.0; 4], [0.0; 2]);
