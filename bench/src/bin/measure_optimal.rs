@@ -1,7 +1,7 @@
 //! Iterations of optimal control: the reach of the Panda of `bench/peers/crocoddyl_reach.py`, with and
 //! without torque limits. Prints cost, iterations and the median time in milliseconds.
 //!
-//!     cargo run --release -p bench --bin measure_optimal -- [NODES…]
+//! `cargo run --release -p bench --bin measure_optimal -- [NODES…]`
 
 use std::error::Error;
 use std::sync::Arc;
