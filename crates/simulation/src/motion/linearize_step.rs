@@ -21,7 +21,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Integrator, IntegratorError, Stage, StepScheme, check_computed};
 use robot_dynamics_number::check_finite;
 
-use self::displacement::{rate_change, retraction_change};
+use self::displacement::{add_identity, rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
 use crate::motion::RobotState;
@@ -153,13 +153,8 @@ pub fn linearize_step(
     }
     check_computed("the derivative of q", &workspace.q_change)?;
     check_computed("the derivative of v", &workspace.v_change)?;
-    for (half, change) in [&workspace.q_change, &workspace.v_change].into_iter().enumerate() {
-        for (i, row) in change.chunks_exact(3 * nv).enumerate() {
-            let to = half * nv + i;
-            by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
-            by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
-        }
-    }
+    let mut out = LinearizedStep { by_state, by_force };
+    out.write_changes(nv, &workspace.q_change, &workspace.v_change);
     Ok(())
 }
 
@@ -180,7 +175,7 @@ fn explicit(
         start_from(v, h, &mut w.v);
         sum_stages(count, k, &w.acceleration_changes, &mut w.v_change);
         scale(h, &mut w.v_change);
-        add_identity(&mut w.v_change, n, 1);
+        add_identity(&mut w.v_change, n, 1, 1.0);
     };
     let q_row = |w: &mut LinearizeStepWorkspace, k: &dyn Fn(usize) -> f64, count| {
         sum_stages(count, k, &w.rates, &mut w.displacement);
@@ -271,12 +266,5 @@ fn accelerate(
 /// Writes the change of δq (`part` 0) or of δv (`part` 1), which is the identity.
 fn write_identity(change: &mut [f64], n: usize, part: usize) {
     change.fill(0.0);
-    add_identity(change, n, part);
-}
-
-/// Adds the change of δq (`part` 0) or of δv (`part` 1), which is the identity.
-fn add_identity(change: &mut [f64], n: usize, part: usize) {
-    for i in 0..n {
-        change[i * 3 * n + part * n + i] += 1.0;
-    }
+    add_identity(change, n, part, 1.0);
 }

@@ -55,7 +55,7 @@ impl ImplicitIntegrator {
         self.joints.choose(forces.dissipation);
         self.store_state(state.q, state.v);
         let begun = self.kept.clone();
-        self.record.begin(h);
+        self.record.begin();
         let taken = self.step_or_go_back(model, workspace, forces, h, (&mut q1, &mut v1));
         self.record.is_on = false;
         let dynamics = &mut workspace.dynamics;
@@ -118,7 +118,7 @@ impl ImplicitIntegrator {
         h: f64,
         RobotState { q: q0, v: v0 }: RobotState<'_>,
         (q1, v1): (&[f64], &[f64]),
-        LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
+        mut out: LinearizedStep<'_>,
     ) -> Result<LinearizationMethod, StepError> {
         if let Some(reason) = self.step_without_derivative() {
             return Ok(LinearizationMethod::Differences { reason });
@@ -132,11 +132,13 @@ impl ImplicitIntegrator {
         let at_middle = (&smooth.middle[..], &smooth.middle_change[..]);
         self.translations.add_changes(model, at_middle, applied, 0.5 * h, &mut targets);
 
+        // The inertia of impulses and of corrections.
+        let acts = !(self.record.change.is_empty() && self.record.corrections.is_empty());
+        let inverse = if acts { self.inverse(0.5 * h)? } else { Vec::new() };
         let mut at_transition = false;
         if !self.record.before.is_empty() {
-            let targets = &mut targets;
-            at_transition =
-                self.add_impulses((model, workspace, &mut placement), h, (q0, v0), &mut smooth, targets)?;
+            let (at, targets) = ((model, &mut *workspace, &mut placement), &mut targets);
+            at_transition = self.add_impulses(at, h, (q0, v0), &inverse, &mut smooth, targets);
         }
 
         // The positions and the momentum at the end.
@@ -145,19 +147,14 @@ impl ImplicitIntegrator {
         let mut q_change = vec![0.0; nv * width];
         retraction_change(model, &way, &theta_change, &mut q_change);
         let kept = returns(h);
-        self.correction_changes(model, workspace, kept, q0, (&middle, &middle_change), &mut q_change)?;
+        let at_middle = (&middle[..], &middle_change[..]);
+        self.correction_changes((model, workspace), kept, q0, &inverse, at_middle, &mut q_change);
         placement.set(model, workspace, q1);
         let (here, speeds) = ((q1, &q_change[..]), (&self.record.after[..], v1));
         let (translations, at) = (&self.translations, (model, &placement));
         translations.restore_changes(at, &self.joints, here, speeds, &targets, &mut v_change);
 
-        for (half, change) in [&q_change, &v_change].into_iter().enumerate() {
-            for (i, row) in change.chunks_exact(width).enumerate() {
-                let to = half * nv + i;
-                by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
-                by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
-            }
-        }
+        out.write_changes(nv, &q_change, &v_change);
         Ok(LinearizationMethod::Analytic { at_transition })
     }
 
@@ -168,9 +165,10 @@ impl ImplicitIntegrator {
         (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
         h: f64,
         (q0, v0): (&[f64], &[f64]),
+        inverse: &[f64],
         smooth: &mut SmoothChange,
         targets: &mut TargetChanges,
-    ) -> Result<bool, StepError> {
+    ) -> bool {
         let SmoothChange { middle, theta, theta_change, v_change, middle_change, .. } = smooth;
         let (mut free, mut q_change) = (vec![0.0; model.nq], vec![0.0; theta_change.len()]);
         integrate(model, q0, theta, &mut free);
@@ -184,11 +182,11 @@ impl ImplicitIntegrator {
         let at = (model, &*placement);
         self.translations.restore_changes(at, &self.joints, here, speeds, targets, v_change);
         if self.record.change.is_empty() {
-            return Ok(false);
+            return false;
         }
         let changes = (&q_change[..], &middle_change[..], &v_change[..]);
         let ImpulseChange { velocity, impulse, is_at_transition } =
-            self.impulse_change(model, workspace, h, middle, placement, changes)?;
+            self.impulse_change((model, workspace, placement), h, middle, inverse, changes);
         let impulse = (&self.record.impulse[..], &impulse[..]);
         self.translations.add_changes(model, here, impulse, 1.0, targets);
         for ((change, v), way) in velocity.iter().zip(v_change).zip(&mut *theta_change) {
@@ -196,7 +194,7 @@ impl ImplicitIntegrator {
             *way += 0.5 * h * change;
         }
         self.keep_at_rest(v0, theta_change);
-        Ok(is_at_transition)
+        is_at_transition
     }
 
     /// A joint that sticks and was at rest does not move, unless it had a velocity.
@@ -214,19 +212,13 @@ impl ImplicitIntegrator {
         }
     }
 
-    /// M̂⁻¹ with g = γh or ½h at the middle of the step.
-    fn inverse(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        middle: &[f64],
-        g: f64,
-    ) -> Result<Vec<f64>, StepError> {
-        let Self { factor, joints, .. } = self;
-        factor.factor(model, workspace, middle, joints, g)?;
-        let nv = model.nv;
+    /// M̂⁻¹ with g = γh or ½h. The factor has M at the middle of the recorded step.
+    fn inverse(&mut self, g: f64) -> Result<Vec<f64>, StepError> {
+        let Self { factor, joints, memory, .. } = self;
+        factor.stiffen(joints, g)?;
+        let nv = memory.stage_v.len();
         let mut inverse = vec![0.0; nv * nv];
-        for (k, row) in inverse.chunks_exact_mut(nv).enumerate() {
+        for (k, row) in inverse.chunks_exact_mut(nv.max(1)).enumerate() {
             row[k] = 1.0;
             factor.solve(row);
         }

@@ -82,6 +82,13 @@ fn series(theta: JointDisplacement, x: JointDisplacement, first: u32) -> JointDi
     sum
 }
 
+/// Adds `entry` to the diagonal of the block of δq₀ (0), δv₀ (1) or δτ (2).
+pub(in crate::motion) fn add_identity(change: &mut [f64], nv: usize, block: usize, entry: f64) {
+    for k in 0..nv {
+        change[k * 3 * nv + block * nv + k] += entry;
+    }
+}
+
 /// The derivative of q₀ ⊕ Θ from those of Θ and of q₀: e^(−ad Θ) δq₀ + J(Θ) δΘ.
 pub(in crate::motion) fn retraction_change(
     model: &Model,

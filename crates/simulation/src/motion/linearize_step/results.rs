@@ -11,6 +11,19 @@ pub struct LinearizedStep<'a> {
     pub by_force: &'a mut [f64],
 }
 
+impl LinearizedStep<'_> {
+    /// Writes A and B from the changes of q₁ and v₁ by (δq₀, δv₀, δτ), each nv×3nv.
+    pub(in crate::motion) fn write_changes(&mut self, nv: usize, q_change: &[f64], v_change: &[f64]) {
+        for (half, change) in [q_change, v_change].into_iter().enumerate() {
+            for (i, row) in change.chunks_exact((3 * nv).max(1)).enumerate() {
+                let to = half * nv + i;
+                self.by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
+                self.by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
+            }
+        }
+    }
+}
+
 /// The method by which [`linearize_stepper`](crate::linearize_stepper) computed A and B.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -11,28 +11,22 @@ use super::rows::inertia_derivative;
 use super::systems::{solve_dependent, transpose};
 use crate::motion::linearize_step::displacement::retraction_change;
 use crate::motion::linearize_step::product::multiply_changes;
-use crate::motion::simulate::StepError;
 use crate::placement::Placement;
 
 impl ImplicitIntegrator {
     /// Takes a change of q through all position corrections of the step from q₀. A violation at the start
     /// leaves the fraction `kept`.
     pub(super) fn correction_changes(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
+        &self,
+        (model, workspace): (&Model, &mut Workspace),
         kept: f64,
         q0: &[f64],
+        inverse: &[f64],
         (middle, middle_change): (&[f64], &[f64]),
         q_change: &mut Vec<f64>,
-    ) -> Result<(), StepError> {
-        if self.record.corrections.is_empty() {
-            return Ok(());
-        }
-        let inverse = self.inverse(model, workspace, middle, 0.5 * self.record.h)?;
+    ) {
         let mut placement = Placement::new(model);
-        for index in 0..self.record.corrections.len() {
-            let correction = &self.record.corrections[index];
+        for correction in &self.record.corrections {
             let start_rows = self.start_rows(model, workspace, q0, correction, &mut placement);
             placement.set(model, workspace, &correction.q);
             let (nv, width, count) = (model.nv, 3 * model.nv, correction.rows.len());
@@ -47,10 +41,10 @@ impl ImplicitIntegrator {
             let mut right = vec![0.0; nv * width];
             multiply_changes(&[(&bend, q_change), (&inertia, middle_change)], width, &mut right);
             let mut way_change = vec![0.0; nv * width];
-            multiply_changes(&[(&inverse, &right)], width, &mut way_change);
+            multiply_changes(&[(inverse, &right)], width, &mut way_change);
             let transposed = transpose(a, count, nv);
             let mut response = vec![0.0; nv * count];
-            multiply_changes(&[(&inverse, &transposed)], count, &mut response);
+            multiply_changes(&[(inverse, &transposed)], count, &mut response);
             let mut system = vec![0.0; count * count];
             multiply_changes(&[(a, &response)], count, &mut system);
             let mut missing = vec![0.0; count * width];
@@ -66,7 +60,6 @@ impl ImplicitIntegrator {
             way_change.iter_mut().zip(&right).for_each(|(sum, change)| *sum += change);
             move_change(model, &correction.way, &way_change, q_change);
         }
-        Ok(())
     }
 
     /// The rows at q₀ of the violations of which a part remains, and zeros otherwise.

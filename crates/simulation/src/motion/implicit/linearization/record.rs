@@ -11,8 +11,6 @@ clone_in_place! {
         pub(in super::super) is_on: bool,
         /// The number of passes, and whether all components took the last one.
         pub(super) passes: usize,
-        /// The length of the step \[s\].
-        pub(super) h: f64,
         pub(super) is_whole: bool,
         /// k₁ and k₂ of the velocities.
         pub(super) first: Vec<f64>,
@@ -32,9 +30,8 @@ clone_in_place! {
 }
 
 impl StepRecord {
-    pub(super) fn begin(&mut self, h: f64) {
+    pub(super) fn begin(&mut self) {
         self.is_on = true;
-        self.h = h;
         self.passes = 0;
     }
 

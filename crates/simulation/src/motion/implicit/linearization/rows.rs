@@ -10,7 +10,6 @@ use super::super::ImplicitIntegrator;
 use super::systems::{solve_dependent, transpose};
 use crate::contact::{RETURN_TIME, Set};
 use crate::motion::linearize_step::product::multiply_changes;
-use crate::motion::simulate::StepError;
 use crate::placement::Placement;
 
 /// A contact is at a transition if a velocity and the distance of an impulse from its bound, as a velocity,
@@ -71,20 +70,18 @@ impl ActingRows {
 impl ImplicitIntegrator {
     /// The change of the velocity by the impulses, for changes of q at the rows, of qₘ, and of v before.
     pub(super) fn impulse_change(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
+        &self,
+        (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
         h: f64,
         middle: &[f64],
-        placement: &mut Placement,
+        inverse: &[f64],
         (q_change, middle_change, v_change): (&[f64], &[f64], &[f64]),
-    ) -> Result<ImpulseChange, StepError> {
+    ) -> ImpulseChange {
         let (nv, width) = (model.nv, 3 * model.nv);
         let zeros = || vec![0.0; nv * width];
-        let inverse = self.inverse(model, workspace, middle, 0.5 * h)?;
         let after: Vec<f64> =
             self.record.before.iter().zip(&self.record.change).map(|(v, change)| v + change).collect();
-        let rows = self.acting_rows(&inverse, &after);
+        let rows = self.acting_rows(inverse, &after);
 
         // δ(Aᵀp) by q at fixed p, ∂c/∂q of all rows of contacts, and ∂(M̂Δ)/∂qₘ.
         let mut bend = vec![0.0; nv * nv];
@@ -100,7 +97,7 @@ impl ImplicitIntegrator {
         multiply_changes(&[(&inertia, middle_change)], width, &mut right);
         right.iter_mut().zip(&impulse).for_each(|(sum, change)| *sum += change);
         let mut velocity = zeros();
-        multiply_changes(&[(&inverse, &right)], width, &mut velocity);
+        multiply_changes(&[(inverse, &right)], width, &mut velocity);
 
         if rows.count() > 0 {
             // The multipliers, and their effect.
@@ -108,7 +105,7 @@ impl ImplicitIntegrator {
             let change = rows.velocity_change(&velocity_by, [v_change, &velocity], q_change, width);
             let transposed = transpose(&rows.entries, count, nv);
             let mut response = vec![0.0; nv * count];
-            multiply_changes(&[(&inverse, &transposed)], count, &mut response);
+            multiply_changes(&[(inverse, &transposed)], count, &mut response);
             let mut delassus = vec![0.0; count * count];
             multiply_changes(&[(&rows.entries, &response)], count, &mut delassus);
             let (mut system, mut multipliers) = rows.system(&delassus, &change, width);
@@ -119,7 +116,7 @@ impl ImplicitIntegrator {
             multiply_changes(&[(&transposed, &multipliers)], width, &mut more);
             impulse.iter_mut().zip(&more).for_each(|(sum, change)| *sum += change);
         }
-        Ok(ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition })
+        ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition }
     }
 
     /// The rows that act, and their state, at the velocity after the impulses.

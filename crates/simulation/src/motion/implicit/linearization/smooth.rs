@@ -8,7 +8,7 @@ use robot_dynamics_core::{
 use super::super::ImplicitIntegrator;
 use super::super::rosenbrock::GAMMA;
 use super::StepRecord;
-use crate::motion::linearize_step::displacement::{rate_change, retraction_change};
+use crate::motion::linearize_step::displacement::{add_identity, rate_change, retraction_change};
 use crate::motion::linearize_step::product::multiply_changes;
 use crate::motion::simulate::StepError;
 use crate::motion::step_actuation::StepActuation;
@@ -62,7 +62,7 @@ impl ImplicitIntegrator {
         if let Some(contacts) = &self.contacts {
             contacts.vary_carried(model, placement, &mut carried);
         }
-        let inverse = self.inverse(model, workspace, &middle, g)?;
+        let inverse = self.inverse(g)?;
         let stiffness = self.stiffness(nv);
         let StepRecord { first, second, .. } = &self.record;
         let (first, second) = (first.clone(), second.clone());
@@ -202,13 +202,6 @@ fn add_actuation(
         for i in 0..nv {
             by_velocity[i * nv + k] += (after[i] - before[i]) / (2.0 * MOVE);
         }
-    }
-}
-
-/// Adds `entry` to the diagonal of the block of δq₀ (0), δv₀ (1) or δτ (2).
-fn add_identity(change: &mut [f64], nv: usize, block: usize, entry: f64) {
-    for k in 0..nv {
-        change[k * 3 * nv + block * nv + k] += entry;
     }
 }
 

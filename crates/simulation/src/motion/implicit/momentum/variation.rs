@@ -86,7 +86,7 @@ impl FreeTranslations {
         targets: &TargetChanges,
         v_change: &mut [f64],
     ) {
-        let (width, nv) = (targets.width, model.nv);
+        let width = targets.width;
         let before = v_change.to_vec();
         for (root, rows) in self.roots.iter().zip(targets.rows.chunks_exact((3 * width).max(1))) {
             let coordinates = root.first..root.first + root.count;
@@ -95,13 +95,16 @@ impl FreeTranslations {
             }
             let by = root.momentum_derivatives(model, placement, v_before);
             let axes = root.axes(&model.bodies[root.body], q);
+            let moves =
+                |k: &usize| by.by_position[*k] != Vector3::zeros() || by.by_velocity[*k] != Vector3::zeros();
+            let moving: Vec<usize> = (0..model.nv).filter(moves).collect();
             let mut missing = Vector3::zeros();
             for (k, coordinate) in coordinates.clone().enumerate() {
                 missing += axis_of(&axes, root.count, k) * (v_after[coordinate] - v_before[coordinate]);
             }
             for column in 0..width {
                 let mut change = Vector3::from_fn(|i, _| rows[i * width + column]);
-                for k in 0..nv {
+                for &k in &moving {
                     change -= by.by_position[k] * q_change[k * width + column];
                     change -= by.by_velocity[k] * before[k * width + column];
                 }
