@@ -161,9 +161,10 @@ pub mod constraints {
     pub use robot_dynamics_simulation::{
         Anchor, Baumgarte, ConstrainedMotion, ConstrainedStepReport, ConstrainedTorque, Constraint,
         ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
-        ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
-        NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
-        RollingRow, SpatialAxis, StepConstraints, SupportProblem, SupportedTorque, TreeProjections,
+        ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, HeldDynamics,
+        LinearizedHeldStep, LinearizedImpact, LoopClosure, NamedDependentRow, NoSlip, Plane,
+        PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, RowFeedback,
+        SpatialAxis, StepConstraints, SupportProblem, SupportedTorque, TreeProjections,
         constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
         constraint_projections, contact_impulse, project_position, project_velocity,
         supported_inverse_dynamics,

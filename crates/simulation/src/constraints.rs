@@ -20,6 +20,7 @@ mod derivatives;
 mod drift;
 mod forward_dynamics;
 mod frame_constraint;
+mod held;
 mod implicit;
 mod impulse;
 mod inverse;
@@ -53,6 +54,7 @@ pub use derivatives::{
 pub use drift::{ConstraintDrift, constraint_drift};
 pub use forward_dynamics::{ConstrainedMotion, constrained_forward_dynamics};
 pub use frame_constraint::FrameConstraint;
+pub use held::{HeldDynamics, LinearizedHeldStep, LinearizedImpact, RowFeedback};
 pub use impulse::{ContactImpulse, contact_impulse};
 pub use inverse::{ConstrainedTorque, constrained_inverse_dynamics};
 pub use loop_closure::LoopClosure;

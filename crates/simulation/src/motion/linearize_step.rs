@@ -7,7 +7,7 @@
 //! solve an equation and are refused; `differences` serves every other stepper.
 
 mod differences;
-pub(super) mod displacement;
+pub(crate) mod displacement;
 pub(super) mod product;
 pub mod results;
 mod stepper;

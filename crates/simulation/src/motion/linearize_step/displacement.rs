@@ -89,14 +89,10 @@ pub(in crate::motion) fn add_identity(change: &mut [f64], nv: usize, block: usiz
     }
 }
 
-/// The derivative of q₀ ⊕ Θ from those of Θ and of q₀: e^(−ad Θ) δq₀ + J(Θ) δΘ.
-pub(in crate::motion) fn retraction_change(
-    model: &Model,
-    theta: &[f64],
-    theta_change: &[f64],
-    q_change: &mut [f64],
-) {
-    let width = 3 * model.nv;
+/// The derivative of q₀ ⊕ Θ from those of Θ and of q₀: e^(−ad Θ) δq₀ + J(Θ) δΘ. A change has nv rows, and its
+/// first nv columns are those of δq₀.
+pub(crate) fn retraction_change(model: &Model, theta: &[f64], theta_change: &[f64], q_change: &mut [f64]) {
+    let width = theta_change.len() / model.nv.max(1);
     // A mimic joint repeats the stretch of its leader, so the results are written, not added.
     for CoordinateRange { chart, v: k, .. } in coordinate_ranges(model) {
         if chart == Chart::Line {
