@@ -31,15 +31,16 @@ pub use augmented_lagrangian::{
 pub use control_bounds::ControlBounds;
 pub use cost::{Activation, Cost, CostExpansion, CostTerm, LeastSquares, Weights};
 pub use dynamics::{
-    ActuationMatrix, DiscreteDynamics, LinearDynamics, LinearizedDynamics, SimulationStep, SmoothStep,
+    ActuationMatrix, ContactForces, DiscreteDynamics, HeldContactStep, ImpactStep, LinearDynamics,
+    LinearizedDynamics, SimulationStep, SmoothStep,
 };
 pub use error::{Evaluation, OptimalControlError};
 pub use mpc::{Mpc, MpcOptions, MpcTimes};
 pub use problem::Problem;
 pub use residual::{
-    CenterOfMassResidual, ControlResidual, DifferentiatedResidual, FramePlacementResidual,
-    FrameRotationResidual, FrameTranslationResidual, FrameVelocityResidual, Residual, ResidualFunction,
-    ResidualInputs, ResidualJacobian, StateResidual,
+    CenterOfMassResidual, ContactForceResidual, ControlResidual, DifferentiatedResidual,
+    FramePlacementResidual, FrameRotationResidual, FrameTranslationResidual, FrameVelocityResidual, Residual,
+    ResidualFunction, ResidualInputs, ResidualJacobian, StateResidual,
 };
 pub use solver::{Fddp, FddpOptions, FddpReport, IterationRecord, Termination};
 pub use state_space::StateSpace;

@@ -6,6 +6,7 @@ use robot_dynamics_number::InvalidInput;
 use robot_dynamics_simulation::StepError;
 
 use super::cost::CostExpansion;
+use super::dynamics::ContactForces;
 use super::residual::{Residual, ResidualInputs, ResidualJacobian};
 
 /// l ≤ c(x, u) ≤ h for some nodes, with their multipliers λ.
@@ -60,6 +61,11 @@ impl NodeConstraint {
 
     pub(super) fn expects(&self) -> ResidualInputs {
         self.residual.expects()
+    }
+
+    /// Hands the forces of the node's dynamics to c.
+    pub(super) fn reuse(&mut self, forces: &ContactForces<'_>) {
+        self.residual.reuse(forces);
     }
 
     pub(super) fn applies_to(&self, node: usize) -> bool {

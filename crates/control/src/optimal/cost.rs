@@ -3,6 +3,7 @@
 use robot_dynamics_number::InvalidInput;
 use robot_dynamics_simulation::StepError;
 
+use super::dynamics::ContactForces;
 use super::residual::{Residual, ResidualInputs, ResidualJacobian};
 
 /// A term ℓ(x, u) of a cost, with its gradient and a positive semidefinite approximation of its Hessian.
@@ -29,6 +30,9 @@ pub trait CostTerm: Send {
         u: &[f64],
         expansion: &mut CostExpansion<'_>,
     ) -> Result<f64, StepError>;
+
+    /// Takes the forces that the node's dynamics computed, for a term that reads forces.
+    fn reuse(&mut self, _forces: &ContactForces<'_>) {}
 
     /// A clone in a box.
     fn boxed_clone(&self) -> Box<dyn CostTerm>;
@@ -216,6 +220,10 @@ impl CostTerm for LeastSquares {
         Ok(sum)
     }
 
+    fn reuse(&mut self, forces: &ContactForces<'_>) {
+        self.residual.reuse(forces);
+    }
+
     fn boxed_clone(&self) -> Box<dyn CostTerm> {
         Box::new(self.clone())
     }
@@ -314,6 +322,11 @@ impl Cost {
     ) -> Result<f64, StepError> {
         expansion.clear();
         self.terms.iter_mut().try_fold(0.0, |sum, term| Ok(sum + term.add_expansion(x, u, &mut expansion)?))
+    }
+
+    /// Hands the forces of the node's dynamics to the terms.
+    pub(super) fn reuse(&mut self, forces: &ContactForces<'_>) {
+        self.terms.iter_mut().for_each(|term| term.reuse(forces));
     }
 
     /// The terms.

@@ -1,11 +1,17 @@
 //! The dynamics x′ = f(x, u) of a node.
 
 mod actuation_matrix;
+mod contact_forces;
+mod held_contact_step;
+mod impact_step;
 mod linear;
 mod simulation_step;
 mod smooth_step;
 
 pub use actuation_matrix::ActuationMatrix;
+pub use contact_forces::ContactForces;
+pub use held_contact_step::HeldContactStep;
+pub use impact_step::ImpactStep;
 pub use linear::LinearDynamics;
 pub use simulation_step::SimulationStep;
 pub use smooth_step::SmoothStep;
@@ -42,6 +48,11 @@ pub trait DiscreteDynamics: Send {
         u: &[f64],
         derivatives: LinearizedDynamics<'_>,
     ) -> Result<(), StepError>;
+
+    /// The forces of held contacts at the last evaluation; `None` for dynamics without such contacts.
+    fn contact_forces(&self) -> Option<ContactForces<'_>> {
+        None
+    }
 
     /// A clone in a box.
     fn boxed_clone(&self) -> Box<dyn DiscreteDynamics>;

@@ -131,7 +131,8 @@ impl Problem {
     /// Gives some nodes other dynamics. If the number of controls changes, these nodes lose cost and bounds.
     ///
     /// # Errors
-    /// [`InvalidInput`] if the range is beyond the nodes, or the state space differs.
+    /// [`InvalidInput`] if the range is beyond the nodes, or the state space differs. Nodes without controls,
+    /// such as impacts, are allowed.
     pub fn set_dynamics(
         &mut self,
         nodes: Range<usize>,
@@ -139,8 +140,8 @@ impl Problem {
     ) -> Result<(), InvalidInput> {
         self.check_range(&nodes)?;
         let controls = dynamics.controls();
-        if !dynamics.state_space().equals(&self.space) || controls == 0 {
-            let required = "must have the problem's state space and a control";
+        if !dynamics.state_space().equals(&self.space) {
+            let required = "must have the problem's state space";
             return Err(InvalidInput::unmet("the dynamics of a node", required));
         }
         let (index, bounds) = (self.dynamics.len(), self.bounds.len());

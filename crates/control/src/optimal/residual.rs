@@ -1,18 +1,22 @@
 //! Residuals r(x, u): the vectors of which costs and constraints are made.
 
 mod center_of_mass;
+mod contact_force;
 mod differentiated;
 mod frame;
 mod frame_velocity;
 mod point;
 
 pub use center_of_mass::CenterOfMassResidual;
+pub use contact_force::ContactForceResidual;
 pub use differentiated::{DifferentiatedResidual, ResidualFunction};
 pub use frame::{FramePlacementResidual, FrameRotationResidual, FrameTranslationResidual};
 pub use frame_velocity::FrameVelocityResidual;
 pub use point::{ControlResidual, StateResidual};
 
 use robot_dynamics_simulation::StepError;
+
+use super::dynamics::ContactForces;
 
 /// A vector r(x, u) of a node with its derivatives.
 ///
@@ -43,6 +47,9 @@ pub trait Residual: Send {
         residual: &mut [f64],
         jacobian: ResidualJacobian<'_>,
     ) -> Result<(), StepError>;
+
+    /// Takes the forces that the node's dynamics computed, for a residual that reads forces.
+    fn reuse(&mut self, _forces: &ContactForces<'_>) {}
 
     /// A clone in a box.
     fn boxed_clone(&self) -> Box<dyn Residual>;

@@ -118,13 +118,14 @@ impl Fddp {
         options.check()?;
         let (n, nodes) = (problem.state_space().tangent(), problem.nodes());
         let counts: Vec<usize> = (0..nodes).map(|node| problem.controls(node)).collect();
+        let terminal = std::iter::once(NodeModel::new(n, 0, true));
         let current = Trajectory::new(&problem);
         let regularization = options.initial_regularization;
         Ok(Self {
             trial: current.clone(),
             current,
             gaps: vec![0.0; (nodes + 1) * n],
-            models: counts.iter().chain(&[0]).map(|m| NodeModel::new(n, *m)).collect(),
+            models: counts.iter().map(|m| NodeModel::new(n, *m, false)).chain(terminal).collect(),
             policies: counts.iter().map(|m| Policy::new(n, *m)).collect(),
             riccati: Riccati::new(&problem),
             pass: ModelPass::new(&problem),

@@ -4,6 +4,8 @@ mod bounds;
 mod constraints;
 mod contact;
 mod derivatives;
+mod gait;
+mod held_contacts;
 mod linear_quadratic;
 mod mpc;
 mod robots;

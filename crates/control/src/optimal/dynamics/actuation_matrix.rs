@@ -74,6 +74,13 @@ impl ActuationMatrix {
         Ok(())
     }
 
+    /// S, nv×m, row-major.
+    pub(super) fn columns(&self) -> Vec<f64> {
+        let mut columns = vec![0.0; self.dofs * self.controls];
+        self.entries.iter().for_each(|&(dof, control, gear)| columns[dof * self.controls + control] = gear);
+        columns
+    }
+
     /// τ = S u.
     pub fn forces(&self, u: &[f64], tau: &mut [f64]) {
         tau.fill(0.0);

@@ -9,7 +9,7 @@ use robot_dynamics_simulation::StepError;
 
 impl Problem {
     /// f(x, u) of a node.
-    pub(super) fn step(
+    pub(in crate::optimal) fn step(
         &mut self,
         node: usize,
         x: &[f64],
@@ -21,7 +21,13 @@ impl Problem {
     }
 
     /// The cost of a node, the terminal one included, with the terms of its constraints.
-    pub(super) fn cost(&mut self, node: usize, x: &[f64], u: &[f64]) -> Result<f64, OptimalControlError> {
+    pub(in crate::optimal) fn cost(
+        &mut self,
+        node: usize,
+        x: &[f64],
+        u: &[f64],
+    ) -> Result<f64, OptimalControlError> {
+        self.reuse_forces(node);
         let mut cost = self.own_cost(node, x, u).map_err(failed(node, Evaluation::Cost))?;
         let penalty = self.penalty;
         for constraint in self.constraints.iter_mut().filter(|one| one.applies_to(node)) {
@@ -31,6 +37,16 @@ impl Problem {
         let finite = check_result("the cost", &[cost]).map_err(StepError::from);
         finite.map_err(failed(node, Evaluation::Cost))?;
         Ok(cost)
+    }
+
+    /// Hands the forces of a node's last evaluation to its terms.
+    fn reuse_forces(&mut self, node: usize) {
+        let Some(of_node) = self.nodes.get(node) else { return };
+        if let Some(forces) = self.dynamics[of_node.dynamics].contact_forces() {
+            self.costs[of_node.cost].reuse(&forces);
+            let own = self.constraints.iter_mut().filter(|one| one.applies_to(node));
+            own.for_each(|constraint| constraint.reuse(&forces));
+        }
     }
 
     /// The cost of a node without the terms of its constraints.
@@ -54,7 +70,8 @@ impl Problem {
                 let derivatives = LinearizedDynamics { by_state: &mut model.a, by_control: &mut model.b };
                 let linearized = self.dynamics[of_node.dynamics].linearize(x, u, derivatives);
                 linearized.map_err(failed(node, Evaluation::Linearization))?;
-                &mut self.costs[of_node.cost]
+                self.reuse_forces(node);
+                &mut self.costs[self.nodes[node].cost]
             }
             None => self.terminal_cost(),
         };

@@ -70,10 +70,10 @@ pub(crate) struct NodeModel {
 }
 
 impl NodeModel {
-    /// The memory for n entries of δx and m controls.
-    pub(super) fn new(n: usize, m: usize) -> Self {
+    /// The memory for n entries of δx and m controls; the terminal node has no dynamics.
+    pub(super) fn new(n: usize, m: usize, is_terminal: bool) -> Self {
         Self {
-            a: vec![0.0; if m == 0 { 0 } else { n * n }],
+            a: vec![0.0; if is_terminal { 0 } else { n * n }],
             b: vec![0.0; n * m],
             state_gradient: vec![0.0; n],
             control_gradient: vec![0.0; m],

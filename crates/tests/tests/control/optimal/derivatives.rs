@@ -17,18 +17,18 @@ use robot_dynamics::simulation::Integrator;
 use super::floating_tree;
 
 /// The step of central differences; the error is about its square, and rounding over it.
-const STEP: f64 = 1e-5;
+pub(super) const STEP: f64 = 1e-5;
 
 /// Differences of numbers of size 1 to 10 are right to about nine digits.
 const TOLERANCE: f64 = 1e-7;
 
-fn random_x(model: &Model, random: &mut SplitMix64) -> Vec<f64> {
+pub(super) fn random_x(model: &Model, random: &mut SplitMix64) -> Vec<f64> {
     let RandomState { q, v, .. } = random_state(model, random);
     q.into_iter().chain(v).collect()
 }
 
 /// Column `k` of the derivative of `f` by central differences along δx.
-fn difference_by_state(
+pub(super) fn difference_by_state(
     space: &StateSpace,
     x: &[f64],
     k: usize,
