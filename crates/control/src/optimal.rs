@@ -6,7 +6,7 @@
 //! A state x = (q, v) lies on the robot's configuration manifold; its differences have 2nv numbers.
 //! [`DiscreteDynamics`] gives f, [`Cost`] sums terms ½ Σ w r² of [`Residual`]s, [`Problem`] joins them.
 //! [`Fddp`] solves problems without the constraints c, [`AugmentedLagrangian`] those with them; [`Mpc`]
-//! solves one at each period of a controller.
+//! solves one at each period of a controller. [`Sampling`] needs no derivatives.
 //!
 //! Source: Mastalli, Budhiraja, Merkt, Saurel, Hammoud, Naveau, Carpentier, Righetti, Vijayakumar, Mansard,
 //! *Crocoddyl: an efficient and versatile framework for multi-contact optimal control*, ICRA 2020.
@@ -22,6 +22,7 @@ mod error;
 mod mpc;
 mod problem;
 mod residual;
+mod sampling;
 mod solver;
 mod state_space;
 
@@ -42,5 +43,6 @@ pub use residual::{
     FramePlacementResidual, FrameRotationResidual, FrameTranslationResidual, FrameVelocityResidual, Residual,
     ResidualFunction, ResidualInputs, ResidualJacobian, StateResidual,
 };
+pub use sampling::{Sampling, SamplingLaw, SamplingOptions, SamplingRecord, SamplingReport};
 pub use solver::{Fddp, FddpOptions, FddpReport, IterationRecord, Termination};
 pub use state_space::StateSpace;

@@ -9,6 +9,7 @@ mod held_contacts;
 mod linear_quadratic;
 mod mpc;
 mod robots;
+mod sampling;
 
 use std::sync::Arc;
 
