@@ -1,7 +1,11 @@
 //! Iterations of optimal control: the reach of the Panda of `bench/peers/crocoddyl_reach.py`, with and
-//! without torque limits. Prints cost, iterations and the median time in milliseconds.
+//! without torque limits, the trot and the reach with held contacts of `bench/peers/crocoddyl_contacts.py`,
+//! and a quadruped whose contacts the simulator finds. Prints cost, iterations and the median time in
+//! milliseconds.
 //!
-//! `cargo run --release -p bench --bin measure_optimal -- [NODES…]`
+//! `cargo run --release -p bench --bin measure_optimal -- [reach|trot|humanoid|simulated]…`
+
+mod contacts;
 
 use std::error::Error;
 use std::sync::Arc;
@@ -48,24 +52,36 @@ fn reach(nodes: usize, is_bounded: bool) -> Result<(Problem, Vec<f64>), Box<dyn 
     Ok((problem, hold))
 }
 
-fn measure(nodes: usize, is_bounded: bool, threads: usize) -> Result<(), Box<dyn Error>> {
+fn measure_reach(nodes: usize, is_bounded: bool, threads: usize) -> Result<(), Box<dyn Error>> {
     let (problem, hold) = reach(nodes, is_bounded)?;
+    let kind = if is_bounded { "bounded" } else { "free" };
+    let start = |solver: &mut Fddp| Ok(solver.set_rollout(&vec![hold.clone(); nodes])?);
+    measure(&format!("{nodes} nodes, {kind}"), problem, threads, REPETITIONS, start)
+}
+
+/// Solves a problem from the same start again and again, and prints the median.
+fn measure(
+    name: &str,
+    problem: Problem,
+    threads: usize,
+    repetitions: usize,
+    start: impl Fn(&mut Fddp) -> Result<(), Box<dyn Error>>,
+) -> Result<(), Box<dyn Error>> {
     let mut options = FddpOptions::default();
     options.threads = threads;
     let mut solver = Fddp::new(problem, options)?;
     let mut times = Vec::new();
     let mut report = None;
-    for _ in 0..REPETITIONS {
-        solver.set_rollout(&vec![hold.clone(); nodes])?;
-        let start = Instant::now();
+    for _ in 0..repetitions {
+        start(&mut solver)?;
+        let begin = Instant::now();
         report = Some(solver.solve()?);
-        times.push(1e3 * start.elapsed().as_secs_f64());
+        times.push(1e3 * begin.elapsed().as_secs_f64());
     }
     times.sort_by(f64::total_cmp);
-    let (report, spent) = (report.expect("a solution"), times[REPETITIONS / 2]);
-    let kind = if is_bounded { "bounded" } else { "free" };
+    let (report, spent) = (report.expect("a solution"), times[repetitions / 2]);
     println!(
-        "ours, {nodes} nodes, {kind}, {threads} threads: cost {:.6}, {} iterations, {spent:.3} ms, {:.3} ms an iteration",
+        "ours, {name}, {threads} threads: cost {:.6}, {} iterations, {spent:.3} ms, {:.3} ms an iteration",
         report.cost,
         report.iterations,
         spent / report.iterations.max(1) as f64
@@ -73,12 +89,30 @@ fn measure(nodes: usize, is_bounded: bool, threads: usize) -> Result<(), Box<dyn
     Ok(())
 }
 
+/// The same from the initial state in all nodes and without controls.
+fn measure_from_rest(name: &str, problem: Problem, threads: usize) -> Result<(), Box<dyn Error>> {
+    let states = vec![problem.initial_state().to_vec(); problem.nodes() + 1];
+    let controls: Vec<_> = (0..problem.nodes()).map(|node| vec![0.0; problem.controls(node)]).collect();
+    measure(name, problem, threads, REPETITIONS / 2, |solver| Ok(solver.set_trajectory(&states, &controls)?))
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let given: Vec<usize> = std::env::args().skip(1).map(|word| word.parse()).collect::<Result<_, _>>()?;
-    for nodes in if given.is_empty() { vec![20, 50] } else { given } {
-        for threads in [1, 2] {
-            measure(nodes, false, threads)?;
-            measure(nodes, true, threads)?;
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let is_chosen = |name: &str| given.is_empty() || given.iter().any(|word| word == name);
+    for threads in [1, 2] {
+        for nodes in [20, 50] {
+            for is_bounded in [false, true].into_iter().filter(|_| is_chosen("reach")) {
+                measure_reach(nodes, is_bounded, threads)?;
+            }
+        }
+        if is_chosen("trot") {
+            measure_from_rest("trot", contacts::trot()?, threads)?;
+        }
+        if is_chosen("humanoid") {
+            measure_from_rest("humanoid", contacts::humanoid()?, threads)?;
+        }
+        if is_chosen("simulated") {
+            measure_from_rest("simulated contacts", contacts::simulated()?, threads)?;
         }
     }
     Ok(())
