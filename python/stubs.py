@@ -265,7 +265,10 @@ RETURNS = {
     "_project": "tuple[_Array, _Array]",
     "_result_shapes": "list[list[int]]",
     "_rollout": "list[NDArray[Any]]",
-    "_rollout_pullback": "tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None]",
+    "_rollout_pullback": (
+        "tuple[tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None], "
+        "tuple[int, int, int, str | None] | None]"
+    ),
     "_sensor_values": "_Array",
     "_sensors": "list[tuple[str, str, int]]",
     "_simulate": "_Record",

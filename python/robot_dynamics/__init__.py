@@ -64,7 +64,7 @@ from robot_dynamics.identification import IdentificationResult
 from robot_dynamics.loading import example, load, loads, random_robot
 from robot_dynamics.motion import EnergyAccount, Event, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.planning import TimedPath
-from robot_dynamics.pullbacks import RolloutPullback
+from robot_dynamics.pullbacks import LinearizedSteps, RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
 from robot_dynamics.results import (
     DissipationPullback,
@@ -127,6 +127,7 @@ __all__ = [
     "Joint",
     "JointMap",
     "LinearizedStep",
+    "LinearizedSteps",
     "Link",
     "LoadError",
     "LoadReport",

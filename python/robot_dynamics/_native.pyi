@@ -467,7 +467,7 @@ class Robot:
         """The shapes of the results of a row of the table, for one state and one frame."""
     def _rollout(self, q: Numbers, v: Numbers, tau: Numbers | None, each_step: bool, *, steps: int, stride: int, threads: int | None, controls: dict[str, float] | None, **options: object) -> list[NDArray[Any]]:
         """See `rollout`."""
-    def _rollout_pullback(self, q: Numbers, v: Numbers, tau: Numbers | None, by_position: Numbers, by_velocity: Numbers, trajectory: tuple[Numbers, Numbers] | None, *, each_step: bool, steps: int, stride: int, spacing: int, parameters: bool, threads: int | None, **options: object) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None]:
+    def _rollout_pullback(self, q: Numbers, v: Numbers, tau: Numbers | None, by_position: Numbers, by_velocity: Numbers, trajectory: tuple[Numbers, Numbers] | None, *, each_step: bool, steps: int, stride: int, spacing: int, parameters: bool, threads: int | None, controls: dict[str, float] | None, **options: object) -> tuple[tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None], tuple[int, int, int, str | None] | None]:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
     def _sensor_values(self, q: Numbers, v: Numbers, a: Numbers, *, time: float, actuator_forces: Numbers | None, joint_limit_forces: Numbers | None, tendon_limit_forces: Numbers | None, wrenches: Sequence[tuple[str | int, _Three, _Three, _Three, _Three]]) -> _Array:
         """See `sensor_values`."""

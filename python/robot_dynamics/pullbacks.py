@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import defaults
+from robot_dynamics import ground as grounds
 from robot_dynamics.errors import BadStatesError, ShapeError
+from robot_dynamics.ground import AnyGround
 from robot_dynamics.motion import RolloutInputs, disabled_effects, effort_limits
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
+
+
+CONTACT_METHODS = ("implicit", "mujoco")
+"""Methods with contact whose steps have gradients."""
+
+
+class LinearizedSteps(NamedTuple):
+    """How the steps of all states with contact, stops and friction were differentiated."""
+
+    analytic: int
+    """Number of steps with analytic derivatives."""
+    at_transition: int
+    """Number of those at a transition, such as from sticking to sliding. Their derivatives are one-sided."""
+    differences: int
+    """Number of steps whose derivatives are central differences."""
+    reason: str | None
+    """Reason for the differences of the first such step."""
 
 
 class RolloutPullback(NamedTuple):
@@ -28,6 +47,8 @@ class RolloutPullback(NamedTuple):
     """Gradient by the torques (..., nv) or (..., steps, nv), like `tau`; `None` without torques."""
     by_parameters: NDArray[Any] | None
     """Gradient by `Robot.parameters()` for each state (..., parameters); `None` unless requested."""
+    steps: LinearizedSteps | None = None
+    """How steps with contact were differentiated; `None` for explicit methods."""
 
 
 def clip_torques(
@@ -69,6 +90,8 @@ def rollout_pullback(
     spacing: int = 0,
     parameters: bool = False,
     threads: int | None = None,
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
 ) -> RolloutPullback:
     """Gradient of a loss of `rollout`, from its gradients by the states.
 
@@ -79,10 +102,15 @@ def rollout_pullback(
 
     - `integrator` is an explicit method, ``"rk4"`` by default. Position limits and contact are left out;
       ``rd.Simulation(robot, integrator="rk4").left_out`` lists them.
-    - Actuators, equalities and the springs of tendons and ball joints raise ValueError, unless `without`
-      leaves them out.
+    - With an explicit method, actuators, equalities and the springs of tendons and ball joints raise
+      ValueError, unless `without` leaves them out.
     - Damping acts, and the sign of friction is held. Torques beyond the effort limits have the gradient
       0.
+
+    With ``integrator="implicit"`` or ``"mujoco"`` everything acts as in `rollout`, with contact, stops and
+    static friction. Each step is pulled back by its derivatives, which `linearize_step` describes. `steps` of
+    the result counts those that are analytic, at a transition, or differences. The forces that one step
+    passes to the next count as constant. These methods compute in float64, without gradients by parameters.
 
     The backward pass computes the states again from checkpoints. One state is computed in float64.
 
@@ -108,7 +136,7 @@ def rollout_pullback(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `simulate`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -124,6 +152,10 @@ def rollout_pullback(
         Whether to compute the gradient by `parameters()`.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `simulate`.
 
     Returns
     -------
@@ -167,6 +199,8 @@ def rollout_pullback(
             raise ShapeError(message) from None
 
     samples = steps // stride if stride > 0 else 0
+    if ground is not None and integrator not in CONTACT_METHODS:
+        raise ValueError(f"integrator={integrator!r} has no contact: a ground needs integrator='implicit'")
     if stride == 0 and not (by_position_trajectory is None and by_velocity_trajectory is None):
         raise ValueError("gradients by a trajectory need the stride of its samples")
     trajectory = None
@@ -177,7 +211,7 @@ def rollout_pullback(
             cotangent("by_velocity_trajectory", by_velocity_trajectory, own),
         )
     try:
-        gradients = robot._rollout_pullback(
+        gradients, counts = robot._rollout_pullback(
             inputs.q,
             inputs.v,
             torques,
@@ -194,11 +228,14 @@ def rollout_pullback(
             spacing=spacing,
             parameters=parameters,
             threads=threads,
+            controls=None if controls is None else dict(controls),
+            ground=grounds.native(ground),
         )
     except BadStatesError as error:
         error.result = mask_clipped(RolloutPullback(*error.result), within)
         raise
-    return mask_clipped(RolloutPullback(*gradients), within)
+    found = RolloutPullback(*gradients, None if counts is None else LinearizedSteps(*counts))
+    return mask_clipped(found, within)
 
 
 def step_pullback(
@@ -216,6 +253,8 @@ def step_pullback(
     dissipation: bool = True,
     parameters: bool = False,
     threads: int | None = None,
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
 ) -> RolloutPullback:
     """Gradient of a loss of one `step`, from its gradients by q and v after the step.
 
@@ -237,7 +276,7 @@ def step_pullback(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `simulate`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -248,6 +287,10 @@ def step_pullback(
         Whether to compute the gradient by `parameters()`.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `simulate`.
 
     Returns
     -------
@@ -293,4 +336,6 @@ def step_pullback(
         dissipation=dissipation,
         parameters=parameters,
         threads=threads,
+        controls=controls,
+        ground=ground,
     )

@@ -36,10 +36,12 @@ import numpy as np
 from robot_dynamics import defaults
 from robot_dynamics.errors import BadStatesError, SimulationError, SingularMassError, StateError
 from robot_dynamics.motion import disabled_effects
+from robot_dynamics.pullbacks import CONTACT_METHODS
 
 if TYPE_CHECKING:
     import torch
 
+    from robot_dynamics.ground import AnyGround
     from robot_dynamics.robot import Robot
 
 
@@ -148,6 +150,7 @@ def rollout(
     dissipation: bool = True,
     stride: int = 0,
     parameters: torch.Tensor | None = None,
+    ground: AnyGround | None = None,
 ) -> Rollout:
     """`Robot.rollout`, differentiable by q, v, tau and parameters.
 
@@ -171,7 +174,7 @@ def rollout(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `Robot.simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `Robot.rollout_pullback`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -182,6 +185,9 @@ def rollout(
         Number of steps between samples of the trajectory; 0 for no trajectory.
     parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+        Methods with contact have no gradient by them.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `Robot.simulate`.
 
     Returns
     -------
@@ -214,8 +220,13 @@ def rollout(
     off = disabled_effects(without, dissipation, stops=True)
     how = {"steps": steps, "dt": dt, "integrator": integrator, "stride": stride}
     how |= {"conservative": conservative, "without": off}
-    # This raises an error for effects without gradients.
-    robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
+    if integrator in CONTACT_METHODS:
+        how["ground"] = ground
+    elif ground is not None:
+        raise ValueError(f"integrator={integrator!r} has no contact: a ground needs integrator='implicit'")
+    else:
+        # This raises an error for effects without gradients.
+        robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
     return Rollout(*_rollout_functions()[0].apply(robot, how, q, v, tau, parameters))
 
@@ -232,6 +243,7 @@ def step(
     without: Sequence[str] = (),
     dissipation: bool = True,
     parameters: torch.Tensor | None = None,
+    ground: AnyGround | None = None,
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """One step, differentiable by q, v, tau and parameters; see `rollout`.
 
@@ -248,7 +260,7 @@ def step(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `Robot.simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `Robot.rollout_pullback`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -257,6 +269,9 @@ def step(
         Whether damping and friction act.
     parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+        Methods with contact have no gradient by them.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `Robot.simulate`.
 
     Returns
     -------
@@ -282,6 +297,7 @@ def step(
     if tau is not None:
         q = q.broadcast_to(*torch.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), q.shape[-1])
     how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
+    how["ground"] = ground
     end = rollout(robot, q, v, tau, steps=1, dt=dt, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
 
@@ -369,7 +385,9 @@ def _rollout_functions() -> tuple[Any, Any]:
                 given |= {"by_position_trajectory": by_way, "by_velocity_trajectory": by_way_velocity}
             forces = None if tau is None else _array(tau)
             options = {"parameters": by_parameters, **given, **how}
-            by_start, *rest_of = _compute(robot, "rollout_pullback", parameters, start, speed, forces, **options)
+            found = _compute(robot, "rollout_pullback", parameters, start, speed, forces, **options)
+            # Without the counts of steps.
+            by_start, *rest_of = found[:4]
             (by_q,) = _compute(robot, "cotangent_to_coordinates", None, start, by_start)
             results = (by_q, *rest_of)
             nothing = q.new_zeros((*q.shape[:-1], 0))

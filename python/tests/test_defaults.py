@@ -213,5 +213,5 @@ def test_effects_without_gradients_are_named() -> None:
     with pytest.raises(ValueError, match=r"gradients of actuators of robot `.*` are not known; without=\[\"actuators\"\]"):
         arm.rollout_pullback(q, v, **how)
     assert np.isfinite(arm.rollout_pullback(q, v, without=["actuators"], **how).by_velocity).all()
-    with pytest.raises(ValueError, match="`implicit` steps are not known; give an explicit integrator"):
-        damped().rollout_pullback(*START[:2], steps=1, integrator="implicit")
+    with pytest.raises(ValueError, match="`adaptive` steps are not known; give an explicit integrator"):
+        damped().rollout_pullback(*START[:2], steps=1, integrator="adaptive")

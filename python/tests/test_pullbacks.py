@@ -303,3 +303,46 @@ def test_derivatives_under_wrenches_are_differences(panda: rd.Robot) -> None:
                 sides = [call(*(x + side * moved if k == which else x for k, x in enumerate(state)), push) for side in (1, -1)]
                 assert_allclose(slope[:, :, j], (sides[0] - sides[1]) / (2 * d), rtol=1e-5, atol=1e-5)
         assert len(derivatives) == (2 if solution == "inverse_dynamics" else 3)
+
+
+SLIDER = """<robot name="slider">
+  <link name="rail"/>
+  <link name="block"><inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="slide" type="prismatic"><parent link="rail"/><child link="block"/><axis xyz="1 0 0"/>
+    <limit lower="-10" upper="10" effort="100" velocity="100"/><dynamics friction="3"/></joint>
+</robot>"""
+
+
+def test_friction_holds_or_slides_in_a_gradient() -> None:
+    # A block of 2 kg that friction of 3 N holds against 2 N, and that slides under 5 N: x = t²/2m (F − 3).
+    robot = rd.loads(SLIDER)
+    for force, expected in [(2.0, 0.0), (5.0, 0.25)]:
+        found = robot.rollout_pullback(
+            [0.0], [0.0], [force], by_position=[1.0], steps=100, dt=0.01, integrator="implicit"
+        )
+        assert found.steps == rd.LinearizedSteps(100, 0, 0, None)
+        assert found.by_force is not None
+        assert_allclose(found.by_force, [expected], rtol=0, atol=1e-9)
+
+
+def test_gradients_through_contact_have_the_bits_of_single_states() -> None:
+    dog = load("quadruped")
+    q = np.tile(dog.neutral(), (3, 1))
+    q[:, 2] += [0.0, 0.05, 0.1]
+    by_q, by_v = cotangents(dog, 3)
+    how: dict[str, Any] = {"steps": 20, "dt": H, "integrator": "implicit", "ground": rd.Ground()}
+    many = dog.rollout_pullback(q, by_position=by_q, by_velocity=by_v, threads=2, **how)
+    assert many.steps is not None and many.steps.analytic + many.steps.differences == 60
+    for k in range(3):
+        one = dog.rollout_pullback(q[k], by_position=by_q[k], by_velocity=by_v[k], spacing=7, **how)
+        assert (one.by_position == many.by_position[k]).all() and (one.by_velocity == many.by_velocity[k]).all()
+
+
+def test_options_without_gradients_are_named() -> None:
+    robot = rd.loads(SLIDER)
+    with pytest.raises(ValueError, match="has no contact"):
+        robot.rollout_pullback([0.0], steps=1, ground=rd.Ground())
+    with pytest.raises(ValueError, match="gradients by parameters need an explicit integrator"):
+        robot.rollout_pullback([0.0], steps=1, integrator="implicit", parameters=True)
+    with pytest.raises(TypeError, match="float64"):
+        robot.rollout_pullback(np.zeros(1, np.float32), steps=1, integrator="implicit")

@@ -70,10 +70,11 @@ pub use robot_dynamics_core::mass_matrix_related_entries;
 pub use robot_dynamics_core::{
     ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut, InversePullbackMut,
 };
-pub use robot_dynamics_simulation::{MotionCotangents, TrajectoryCotangents};
+pub use robot_dynamics_simulation::{LinearizedSteps, MotionCotangents, TrajectoryCotangents};
 pub use rollout::{
     PolicyInput, Rollout, RolloutError, RolloutObserver, RolloutProgress, RolloutPullbackInputs,
     RolloutStates, StepperRollout, Torques, UNOBSERVED, rollout, rollout_by_stepper, rollout_pullback,
+    rollout_pullback_by_stepper,
 };
 pub use simulations::SimulationBatch;
 pub use threads::{ThreadError, Threads};

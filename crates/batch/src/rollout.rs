@@ -18,14 +18,16 @@ pub(crate) mod pullback;
 pub(crate) mod states;
 mod step;
 mod stepper;
+mod stepper_pullback;
 mod torques;
 
 pub use error::RolloutError;
 pub use progress::{RolloutObserver, RolloutProgress, UNOBSERVED};
 pub use pullback::RolloutPullbackInputs;
-pub use robot_dynamics_simulation::Rollout;
+pub use robot_dynamics_simulation::{Rollout, StepperRollout};
 pub use states::RolloutStates;
-pub use stepper::{StepperRollout, rollout_by_stepper};
+pub use stepper::rollout_by_stepper;
+pub use stepper_pullback::rollout_pullback_by_stepper;
 pub use torques::{PolicyInput, Torques};
 
 use robot_dynamics_core::Model;

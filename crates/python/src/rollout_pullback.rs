@@ -1,14 +1,18 @@
 //! Gradients through time: the pullback of rollouts, of one state and of many.
 
-use pyo3::exceptions::PyValueError;
+mod by_stepper;
+
+use std::collections::HashMap;
+
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::derivatives::{
-    MotionCotangents, RobotState, RolloutPullbackWorkspace, TrajectoryCotangents, parameter_count,
-    rollout_pullback,
+    LinearizedSteps, MotionCotangents, RobotState, RolloutPullbackWorkspace, TrajectoryCotangents,
+    parameter_count, rollout_pullback,
 };
-use robot_dynamics::simulation::{Effect, Integrator, Method, StepError};
+use robot_dynamics::simulation::{Effect, Integrator, Method, SimulationStepper, StepError};
 
 use crate::errors::{Class, exception};
 use crate::ffi::{self, Array, Kind};
@@ -20,17 +24,22 @@ use crate::robot::Robot;
 use crate::rollout::{NOT_FINITE, describe_bad, threads_for};
 use crate::row::{Operand, Width};
 use crate::simulation::options::Setup;
+use crate::simulation::set_controls;
 use crate::{numbers, outcome, threads};
 
 /// Gradients by the initial q and v, and by τ and the parameters if they are asked for.
 type Gradients<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
 
+/// The numbers of steps with analytic derivatives, of those of them at a transition, and of steps with
+/// differences, and the reason for the first differences.
+type StepCounts = (usize, usize, usize, Option<&'static str>);
+
 #[pymethods]
 impl Robot {
     /// See `rollout_pullback`. All arrays have the leading dimensions of the batch.
     #[pyo3(signature = (q, v, tau, by_position, by_velocity, trajectory, *, each_step, steps, stride, spacing, parameters,
-                        threads, **options))]
+                        threads, controls, **options))]
     fn _rollout_pullback<'py>(
         &self,
         py: Python<'py>,
@@ -46,10 +55,11 @@ impl Robot {
         spacing: usize,
         parameters: bool,
         threads: Option<&Bound<'py, PyAny>>,
+        controls: Option<HashMap<String, f64>>,
         options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Gradients<'py>> {
-        let (row, step, dissipates) = self.differentiable_row(py, options)?;
-        let how = Rollout::new(row, step, steps).with_dissipation(dissipates).with_stride(stride);
+    ) -> PyResult<(Gradients<'py>, Option<StepCounts>)> {
+        let (motion, step, dissipates) = self.differentiable_motion(py, controls, options)?;
+        let how = Steps { step, steps, dissipates, stride };
         let array = |name, width, object: &Bound<'py, PyAny>| {
             given(py, &self.model, &Operand { name, width }, 0, object, None)
         };
@@ -71,6 +81,7 @@ impl Robot {
         let call = RolloutPullbackRequest {
             py,
             robot: self,
+            motion,
             how,
             each_step,
             has_tau: tau.is_some(),
@@ -78,7 +89,26 @@ impl Robot {
             parameters,
             threads: threads::count_of(threads)?,
         };
-        if common_kind(py, &all)? == Kind::F32 { call.run::<f32>(&all) } else { call.run::<f64>(&all) }
+        match (&call.motion, common_kind(py, &all)? == Kind::F32) {
+            (Motion::Row(row), true) => call.run_row::<f32>(*row, &all).map(|gradients| (gradients, None)),
+            (Motion::Row(row), false) => call.run_row::<f64>(*row, &all).map(|gradients| (gradients, None)),
+            (Motion::Steps(_), true) => {
+                Err(PyTypeError::new_err("this motion is computed in float64; give it q.astype(float)"))
+            }
+            (Motion::Steps(_), false) if parameters => Err(PyValueError::new_err(
+                "gradients by parameters need an explicit integrator, \"rk4\" for one",
+            )),
+            (Motion::Steps(stepper), false) => {
+                let mut counts = LinearizedSteps::default();
+                let gradients = call.run::<f64>(&all, |numbers, states| {
+                    let (bad, own) = call.by_stepper(stepper, states, numbers)?;
+                    counts = own;
+                    Ok(bad)
+                })?;
+                let LinearizedSteps { analytic, at_transition, differences, reason, .. } = counts;
+                Ok((gradients, Some((analytic, at_transition, differences, reason))))
+            }
+        }
     }
 
     /// The explicit method of a simulation with these options whose gradients are known, and whether damping
@@ -98,6 +128,29 @@ impl Robot {
 }
 
 impl Robot {
+    /// The steps of a simulation with these options whose gradients are known, the step \[s\], and whether
+    /// damping and friction act.
+    fn differentiable_motion(
+        &self,
+        py: Python<'_>,
+        controls: Option<HashMap<String, f64>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<(Motion, f64, bool)> {
+        let setup = Setup::of(options)?;
+        if !setup.has_linearized_steps() {
+            if controls.is_some_and(|controls| !controls.is_empty()) {
+                return Err(PyValueError::new_err("controls need integrator=\"implicit\" or \"mujoco\""));
+            }
+            let (row, step, dissipates) = self.differentiable_row(py, options)?;
+            return Ok((Motion::Row(row), step, dissipates));
+        }
+        setup.with_prepared(py, self, |simulation| {
+            set_controls(self, simulation, controls)?;
+            let stepper = Box::new(simulation.stepper());
+            Ok((Motion::Steps(stepper), simulation.dt(), simulation.dissipates()))
+        })
+    }
+
     /// The same with the step [s]. The error names the effects that act and have no gradients.
     fn differentiable_row(
         &self,
@@ -133,10 +186,27 @@ impl Robot {
     }
 }
 
+/// The steps of a motion.
+enum Motion {
+    /// A row of the table of integrators.
+    Row(Integrator),
+    /// Steps with contact, stops and friction.
+    Steps(Box<SimulationStepper>),
+}
+
+#[derive(Clone, Copy)]
+struct Steps {
+    step: f64,
+    steps: usize,
+    dissipates: bool,
+    stride: usize,
+}
+
 struct RolloutPullbackRequest<'a, 'py> {
     py: Python<'py>,
     robot: &'a Robot,
-    how: Rollout,
+    motion: Motion,
+    how: Steps,
     each_step: bool,
     has_tau: bool,
     spacing: usize,
@@ -161,10 +231,25 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
 }
 
 impl<'py> RolloutPullbackRequest<'_, 'py> {
-    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents if there are
-    /// any.
-    fn run<T: Number>(self, all: &[ArrayArgument<'py>]) -> PyResult<Gradients<'py>> {
-        let Self { py, robot, has_tau, .. } = self;
+    /// Computes by a row of the table of integrators.
+    fn run_row<T: Number>(&self, row: Integrator, all: &[ArrayArgument<'py>]) -> PyResult<Gradients<'py>> {
+        let Steps { step, steps, dissipates, stride } = self.how;
+        let how = &Rollout::new(row, step, steps).with_dissipation(dissipates).with_stride(stride);
+        self.run::<T>(all, |numbers, states| match states {
+            None => self.one(how, numbers).map(|()| Vec::new()),
+            Some(states) => self.many(how, states, numbers),
+        })
+    }
+
+    /// Calls `pull` with the numbers, and with the number of states unless there is a single one. It returns
+    /// the states without a valid gradient. The arrays are q, v, the cotangents of the end, then τ and the
+    /// trajectory's cotangents if there are any.
+    fn run<T: Number>(
+        &self,
+        all: &[ArrayArgument<'py>],
+        pull: impl FnOnce(PullbackTables<'_, T>, Option<usize>) -> PyResult<Vec<usize>>,
+    ) -> PyResult<Gradients<'py>> {
+        let Self { py, robot, has_tau, .. } = *self;
         let lead = all[0].lead();
         // They are changed in place, so the arguments are copied.
         let copy = |given: &ArrayArgument<'py>| given.array.call_method1("copy", ("C",));
@@ -199,12 +284,7 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
             by_force: by_tau,
             by_parameters: parameters,
         };
-        let bad = if lead.is_empty() {
-            self.one(numbers)?;
-            Vec::new()
-        } else {
-            self.many(lead.iter().product(), numbers)?
-        };
+        let bad = pull(numbers, (!lead.is_empty()).then(|| lead.iter().product()))?;
         let results = (by_position, by_velocity, by_force, by_parameters);
         if bad.is_empty() {
             return Ok(results);
@@ -218,7 +298,7 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
     }
 
     /// Computes one state, in float64.
-    fn one<T: Number>(&self, numbers: PullbackTables<'_, T>) -> PyResult<()> {
+    fn one<T: Number>(&self, how: &Rollout, numbers: PullbackTables<'_, T>) -> PyResult<()> {
         let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
         let model = &self.robot.model;
         let PullbackTables { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } =
@@ -227,7 +307,6 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
         let trajectory = (double(trajectory.0), double(trajectory.1));
         let mut results = [&*by_position, &*by_velocity, &*by_force, &*by_parameters].map(double);
         let [by_q, by_v, by_tau, parameters] = &mut results;
-        let how = &self.how;
         let workspace = &mut RolloutPullbackWorkspace::new(model, how, self.spacing);
         let cotangents =
             MotionCotangents { by_position: by_q, by_velocity: by_v, by_force: by_tau, parameters };
@@ -255,17 +334,18 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
     }
 
     /// Computes many states. Returns those without a valid gradient; their rows are NaN.
-    fn many<T: Number>(&self, states: usize, numbers: PullbackTables<'_, T>) -> PyResult<Vec<usize>> {
+    fn many<T: Number>(
+        &self,
+        how: &Rollout,
+        states: usize,
+        numbers: PullbackTables<'_, T>,
+    ) -> PyResult<Vec<usize>> {
         let PullbackTables { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } =
             numbers;
-        let torques = match (self.has_tau, self.each_step) {
-            (false, _) => Torques::Zero,
-            (true, true) => Torques::EachStep(tau),
-            (true, false) => Torques::Held(tau),
-        };
+        let torques = self.torques(tau);
         let work = states * self.how.steps;
         let threads = self.threads.unwrap_or_else(|| threads_for(work));
-        let (model, how, spacing) = (&self.robot.model, &self.how, self.spacing);
+        let (model, spacing) = (&self.robot.model, self.spacing);
         let mut memory = T::batches(self.robot).take(model, threads)?;
         let workspace = &mut memory.workspace;
         let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
@@ -288,6 +368,13 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
             Ok(()) => Ok(Vec::new()),
             Err(RolloutError::BadStates(bad)) => Ok(bad.states),
             Err(error) => Err(exception(error)),
+        }
+    }
+    fn torques<'a, T>(&self, tau: &'a [T]) -> Torques<'a, T> {
+        match (self.has_tau, self.each_step) {
+            (false, _) => Torques::Zero,
+            (true, true) => Torques::EachStep(tau),
+            (true, false) => Torques::Held(tau),
         }
     }
 }

@@ -142,12 +142,13 @@ pub mod derivatives {
         ConstrainedMotionDerivatives, ConstrainedMotionPullback, ConstrainedPullbackInputs,
         ConstrainedTorqueDerivatives, ConstrainedTorquePullback, ConstrainedTorquePullbackInputs,
         ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs, LinearizationMethod,
-        LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, Rollout,
-        RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents,
-        constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
-        constrained_inverse_dynamics_derivatives, constrained_inverse_dynamics_pullback,
-        contact_impulse_derivatives, contact_impulse_pullback, linearize_by_differences, linearize_step,
-        linearize_stepper, rollout_pullback, step_pullback,
+        LinearizeStepWorkspace, LinearizedStep, LinearizedSteps, MotionCotangents, RobotState, Rollout,
+        RolloutPullbackWorkspace, StepPullbackWorkspace, StepperPullbackWorkspace, StepperRollout,
+        TrajectoryCotangents, constrained_forward_dynamics_derivatives,
+        constrained_forward_dynamics_pullback, constrained_inverse_dynamics_derivatives,
+        constrained_inverse_dynamics_pullback, contact_impulse_derivatives, contact_impulse_pullback,
+        linearize_by_differences, linearize_step, linearize_stepper, rollout_pullback,
+        rollout_pullback_by_stepper, step_pullback, stepper_pullback,
     };
 }
 

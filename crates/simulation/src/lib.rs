@@ -59,13 +59,14 @@ pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{
-    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, linearize_by_differences, linearize_step,
-    linearize_stepper,
+    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, LinearizedSteps, linearize_by_differences,
+    linearize_step, linearize_stepper,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::pullback::{
-    MotionCotangents, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents,
-    rollout_pullback, step_pullback,
+    MotionCotangents, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, StepperPullbackWorkspace,
+    StepperRollout, TrajectoryCotangents, rollout_pullback, rollout_pullback_by_stepper, step_pullback,
+    stepper_pullback,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, ControlTiming, StepStatistics};

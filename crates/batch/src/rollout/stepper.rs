@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_number::check_positive;
-use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
+use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper, StepperRollout};
 
 use super::error::RolloutError;
 use super::outcome::StateOutcomes;
@@ -15,44 +15,6 @@ use crate::tables::check_table;
 
 /// The number of steps of one state between checks of the progress.
 const STEPS_PER_LOOK: usize = 64;
-
-/// The parameters of a rollout by a [`Stepper`].
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct StepperRollout<'a, S> {
-    /// The stepper that is copied for each state.
-    pub stepper: &'a S,
-    /// The step \[s\].
-    pub step: f64,
-    /// The number of steps.
-    pub steps: usize,
-    /// Whether the joints' damping and friction act.
-    pub dissipation: bool,
-    /// The number of steps between states of the trajectory; 0 for no trajectory.
-    pub stride: usize,
-}
-
-impl<'a, S> StepperRollout<'a, S> {
-    /// A rollout of `steps` steps of this length \[s\], with damping and friction, without a trajectory.
-    pub const fn new(stepper: &'a S, step: f64, steps: usize) -> Self {
-        Self { stepper, step, steps, dissipation: true, stride: 0 }
-    }
-
-    /// Selects whether the joints' damping and friction act.
-    pub const fn with_dissipation(self, dissipation: bool) -> Self {
-        Self { dissipation, ..self }
-    }
-
-    /// Records every `stride`-th state in the trajectory; 0 for no trajectory.
-    pub const fn with_stride(self, stride: usize) -> Self {
-        Self { stride, ..self }
-    }
-
-    /// The number of states in one trajectory: those after every `stride`-th step.
-    pub fn samples(&self) -> usize {
-        self.steps.checked_div(self.stride).unwrap_or(0)
-    }
-}
 
 /// [`rollout`](super::rollout) by any [`Stepper`], with contacts and actuators, such as that of a simulation
 /// ([`Simulation::stepper`](robot_dynamics_simulation::simulator::Simulation::stepper)). Each thread advances

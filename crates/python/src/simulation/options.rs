@@ -106,6 +106,12 @@ impl Setup {
         self.integrator.as_deref() == Some(Method::Adaptive.name())
     }
 
+    /// Whether the integrator takes steps with contact whose derivatives are known.
+    pub(crate) fn has_linearized_steps(&self) -> bool {
+        let names = [Method::Implicit.name(), Method::Mujoco.name()];
+        self.integrator.as_deref().is_some_and(|integrator| names.contains(&integrator))
+    }
+
     /// Refuses adaptive steps, where each step has the length `dt`.
     pub(crate) fn refuse_adaptive(self, py: Python<'_>) -> PyResult<Self> {
         if !self.is_adaptive() {

@@ -31,7 +31,7 @@ use crate::motion::integrate::{check_step, net_force};
 use crate::motion::simulate::StepError;
 
 pub use self::differences::linearize_by_differences;
-pub use self::results::{LinearizationMethod, LinearizedStep};
+pub use self::results::{LinearizationMethod, LinearizedStep, LinearizedSteps};
 pub use self::stepper::linearize_stepper;
 
 /// Scratch for [`linearize_step`] on one model.

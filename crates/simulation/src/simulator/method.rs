@@ -15,8 +15,8 @@ use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep
 use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, StateTransition, Stepper};
 use crate::{
-    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator, MujocoEuler,
-    StepError, StepForces, StepWorkspace,
+    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator,
+    LinearizeStepWorkspace, MujocoEuler, StepError, StepForces, StepWorkspace, linearize_step,
 };
 
 /// The integration method of a simulation.
@@ -356,6 +356,13 @@ impl Stepper for SimulationStepper {
         state: RobotState<'_>,
         out: LinearizedStep<'_>,
     ) -> Result<LinearizationMethod, StepError> {
+        if let StepperKind::Row(row) = self.kind
+            && row.is_explicit()
+        {
+            let memory = &mut LinearizeStepWorkspace::new(model);
+            linearize_step(model, row, memory, forces, h, state, out)?;
+            return Ok(LinearizationMethod::Analytic { at_transition: false });
+        }
         each!(&mut self.kind, own => own.linearize(model, workspace, forces, h, state, out))
     }
 

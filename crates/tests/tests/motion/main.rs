@@ -31,6 +31,7 @@ mod pullback;
 mod simulation;
 mod soft_law;
 mod spatial_tendons;
+mod stepper_pullback;
 mod tendon_stops;
 mod transmissions;
 mod tree_integrators;

@@ -40,3 +40,48 @@ pub enum LinearizationMethod {
         reason: &'static str,
     },
 }
+
+/// How the steps of a rollout were differentiated, by their numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LinearizedSteps {
+    /// The steps with analytic derivatives.
+    pub analytic: usize,
+    /// Those of them at a transition, whose derivatives are one-sided.
+    pub at_transition: usize,
+    /// The steps whose derivatives are central differences.
+    pub differences: usize,
+    /// The reason for the differences of the first such step.
+    pub reason: Option<&'static str>,
+}
+
+impl LinearizedSteps {
+    /// Counts an earlier step.
+    pub(in crate::motion) fn count(&mut self, method: &LinearizationMethod) {
+        match *method {
+            LinearizationMethod::Analytic { at_transition } => {
+                self.analytic += 1;
+                self.at_transition += usize::from(at_transition);
+            }
+            LinearizationMethod::Differences { reason } => {
+                self.differences += 1;
+                self.reason = Some(reason);
+            }
+        }
+    }
+
+    /// Adds the counts of another rollout.
+    ///
+    /// ```
+    /// use robot_dynamics::derivatives::LinearizedSteps;
+    /// let mut sum = LinearizedSteps::default();
+    /// sum.add(&LinearizedSteps::default());
+    /// assert_eq!(sum.analytic + sum.differences, 0);
+    /// ```
+    pub fn add(&mut self, other: &Self) {
+        self.analytic += other.analytic;
+        self.at_transition += other.at_transition;
+        self.differences += other.differences;
+        self.reason = self.reason.or(other.reason);
+    }
+}

@@ -49,9 +49,7 @@ impl Rollout {
     /// The number of steps between checkpoints: the requested number, or √steps, which needs the least
     /// memory.
     pub fn spacing(&self, asked: usize) -> usize {
-        let least = self.steps.isqrt();
-        let least = if least * least < self.steps { least + 1 } else { least };
-        if asked == 0 { least.max(1) } else { asked.min(self.steps.max(1)) }
+        checkpoint_spacing(self.steps, asked)
     }
 
     /// A rollout of one of these steps, without a trajectory.
@@ -60,4 +58,11 @@ impl Rollout {
     pub fn one_step(&self) -> Self {
         Self { steps: 1, stride: 0, ..*self }
     }
+}
+
+/// The number of steps between the checkpoints of a rollout: the requested number, or √steps for 0.
+pub(super) fn checkpoint_spacing(steps: usize, asked: usize) -> usize {
+    let least = steps.isqrt();
+    let least = if least * least < steps { least + 1 } else { least };
+    if asked == 0 { least.max(1) } else { asked.min(steps.max(1)) }
 }

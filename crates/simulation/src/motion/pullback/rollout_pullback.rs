@@ -6,12 +6,13 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::StepScheme;
 use robot_dynamics_number::Scalar;
 
-use super::checkpoints::{RolloutInputs, memory_size, pull_back};
+use super::checkpoints::{memory_size, pull_back};
 use super::checks::{check_floats, check_given, check_mass};
 use super::cotangents::{MotionCotangents, TrajectoryCotangents};
 use super::rollout::Rollout;
 use super::stages::add;
 use super::step::OneState;
+use super::tables::RolloutTables;
 use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
@@ -63,44 +64,6 @@ impl<S: Scalar> RolloutPullbackWorkspace<S> {
     /// The number of steps between checkpoints.
     pub fn spacing(&self) -> usize {
         self.spacing
-    }
-}
-
-/// The forces and cotangents of one rollout as tables.
-struct RolloutTables<'a, S> {
-    /// Constant over all steps, or \[steps\]\[nv\], or empty for zero forces.
-    tau: &'a [S],
-    trajectory: TrajectoryCotangents<'a, S>,
-    by_force: &'a mut [S],
-}
-
-impl<S: Scalar> RolloutInputs<S> for RolloutTables<'_, S> {
-    fn torque(&mut self, step: usize, tau: &mut [S]) {
-        let n = tau.len();
-        match self.tau.len() {
-            0 => tau.fill(S::zero()),
-            held if held == n => tau.copy_from_slice(self.tau),
-            _ => tau.copy_from_slice(&self.tau[step * n..(step + 1) * n]),
-        }
-    }
-
-    fn add_cotangents(&mut self, sample: usize, by_position: &mut [S], by_velocity: &mut [S]) {
-        let rows = sample * by_position.len()..(sample + 1) * by_position.len();
-        add(by_position, &self.trajectory.by_position[rows.clone()]);
-        add(by_velocity, &self.trajectory.by_velocity[rows]);
-    }
-
-    fn record(&mut self, step: usize, by_force: &[S]) {
-        let n = by_force.len();
-        match self.by_force.len() {
-            0 => {}
-            held if held == n => add(self.by_force, by_force),
-            _ => self.by_force[step * n..(step + 1) * n].copy_from_slice(by_force),
-        }
-    }
-
-    fn go_on(&mut self, _: usize) -> bool {
-        true
     }
 }
 
