@@ -61,7 +61,7 @@ pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
 pub(crate) use impulses::PushingRow;
-pub use impulses::position_correction::{Bound, ROUNDING};
+pub use impulses::position_correction::{Bound, Equal, ROUNDING};
 pub use impulses::{
     ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,
 };

@@ -26,6 +26,7 @@ use super::{ConeProblem, ContactSet};
 use crate::placement::{Placement, Twist};
 
 pub use self::memory::ContactMemory;
+pub(crate) use self::position_correction::CorrectedRow;
 pub use self::search::DEEP;
 pub(crate) use self::variation::PushingRow;
 
@@ -87,8 +88,8 @@ clone_in_place! {
         /// The contacts of a step that is linearized, and the forces that acted in its smooth part.
         recorded: Vec<ActiveContact>,
         begun_forces: Vec<CarriedForce>,
-        /// Whether each row of the position correction restores a part of a violation at the start.
-        lifted_from_start: Vec<bool>,
+        /// The origin of each row of the position correction.
+        lifted: Vec<CorrectedRow>,
         /// The contacts of the last step with a face of a height field that have left the space above it.
         gone: Vec<CarriedForce>,
         /// Whether each contact of the last step was found again; the pairs of the present contacts, in
@@ -123,7 +124,7 @@ impl ContactImpulses {
             begun: Vec::with_capacity(most),
             recorded: Vec::new(),
             begun_forces: Vec::new(),
-            lifted_from_start: Vec::with_capacity(most),
+            lifted: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
             seen: Vec::with_capacity(most),
             touching_pairs: Vec::with_capacity(most),

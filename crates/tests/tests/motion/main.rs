@@ -21,6 +21,7 @@ mod gimbal;
 mod height_field;
 mod implicit;
 mod linearize_by_differences;
+mod linearize_constraints;
 mod linearize_step;
 mod linearize_stepper;
 mod links;

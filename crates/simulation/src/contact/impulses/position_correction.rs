@@ -25,6 +25,17 @@ pub(super) const NEAR: f64 = 1e-4;
 const HALF_LINE: Set = Set::Interval(0.0, f64::INFINITY);
 const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
 
+/// The origin of a row of a position correction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CorrectedRow {
+    /// Whether it leaves a part of a violation at the start of the step.
+    pub is_from_start: bool,
+    /// Whether it is an equality, which always acts.
+    pub is_equality: bool,
+    /// The number of a row of stops or equalities whose factors depend on q, and its sign.
+    pub moving: Option<(usize, f64)>,
+}
+
 /// A stop, for `ContactImpulses::lift`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound<'a> {
@@ -38,6 +49,21 @@ pub struct Bound<'a> {
     pub holds: bool,
     /// Whether it was violated at the start of the step.
     pub was_violated: bool,
+    /// The number of its row, if its factors depend on q.
+    pub moving: Option<usize>,
+}
+
+/// An equality, for `ContactImpulses::lift`.
+#[derive(Clone, Copy, Debug)]
+pub struct Equal<'a> {
+    /// The coordinates of its row with their factors.
+    pub terms: &'a [(usize, f64)],
+    /// The part of its error to remove.
+    pub(crate) gap: f64,
+    /// Whether it was violated at the start of the step.
+    pub was_violated: bool,
+    /// The number of its row.
+    pub row: usize,
 }
 
 impl ContactImpulses {
@@ -50,14 +76,11 @@ impl ContactImpulses {
         workspace: &mut Workspace,
         ImpulsiveStep { h, paths, matrix }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
-        (bounds, equal): (
-            impl Iterator<Item = Bound<'a>> + Clone,
-            impl Iterator<Item = (&'a [(usize, f64)], f64)> + Clone,
-        ),
+        (bounds, equal): (impl Iterator<Item = Bound<'a>> + Clone, impl Iterator<Item = Equal<'a>> + Clone),
         change: &mut [f64],
     ) -> bool {
         let mut has_to_move = bounds.clone().any(|bound| bound.gap < -rounding)
-            || equal.clone().any(|(_, gap)| gap.abs() > rounding);
+            || equal.clone().any(|equal| equal.gap.abs() > rounding);
         let kept = returns(h);
         let is_below = self.find_penetrations(model, workspace, q1, kept, rounding);
         if !(is_below || has_to_move) {
@@ -104,14 +127,14 @@ impl ContactImpulses {
 
     /// Starts the problem with the rows of the contacts. Returns whether one of them has to be corrected.
     fn add_penetration_rows(&mut self, model: &Model, kept: f64, rounding: f64) -> bool {
-        let Self { set, lifts: problem, start, placement, active, begun, lifted_from_start, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, begun, lifted, .. } = self;
         let mut has_to_move = false;
         problem.clear();
-        lifted_from_start.clear();
+        lifted.clear();
         for ActiveContact { point, .. } in &*active {
             let allowed = allowed(set, start, begun, kept, point);
             let gap = point.gap - allowed;
-            lifted_from_start.push(allowed < 0.0);
+            lifted.push(CorrectedRow { is_from_start: allowed < 0.0, ..CorrectedRow::default() });
             let row = problem.push(HALF_LINE, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
             set.each_relative_motion(model, placement, point, |dof, velocity, _| {
@@ -135,18 +158,21 @@ impl ContactImpulses {
     /// Adds the rows of the bounds and equalities.
     fn add_bound_rows<'a>(
         &mut self,
-        (bounds, equal): (impl Iterator<Item = Bound<'a>>, impl Iterator<Item = (&'a [(usize, f64)], f64)>),
+        (bounds, equal): (impl Iterator<Item = Bound<'a>>, impl Iterator<Item = Equal<'a>>),
         rounding: f64,
     ) {
-        let Self { lifts: problem, lifted_from_start, .. } = self;
-        for Bound { terms, sign, gap, holds, was_violated } in bounds.filter(|bound| bound.gap < FAR) {
-            lifted_from_start.push(was_violated);
+        let Self { lifts: problem, lifted, .. } = self;
+        for Bound { terms, sign, gap, holds, was_violated, moving } in bounds.filter(|bound| bound.gap < FAR)
+        {
+            let moving = moving.map(|row| (row, sign));
+            lifted.push(CorrectedRow { is_from_start: was_violated, is_equality: false, moving });
             let row = problem.push_row(if holds { LINE } else { HALF_LINE }, sign, terms);
             problem.start[row] = if holds { gap.min(0.0) } else { gap };
             problem.set_due(gap < -rounding);
         }
-        for (terms, gap) in equal {
-            lifted_from_start.push(false);
+        for Equal { terms, gap, was_violated, row: number } in equal {
+            let moving = Some((number, 1.0));
+            lifted.push(CorrectedRow { is_from_start: was_violated, is_equality: true, moving });
             let row = problem.push_row(LINE, 1.0, terms);
             problem.start[row] = gap;
             problem.set_due(gap.abs() > rounding);

@@ -15,6 +15,7 @@ use robot_dynamics_core::model::WORLD;
 
 use super::axes::in_world;
 use super::frame_variation::FrameVariation;
+use super::position_correction::CorrectedRow;
 use super::{CarriedForce, ContactImpulses, MOST_ROWS};
 use crate::contact::ContactSet;
 use crate::contact::shape_point::{ContactPartner, ShapePoint};
@@ -52,8 +53,7 @@ pub(crate) struct PushingRow {
     pub multiplier: f64,
     /// The number of its contact, if it is the normal row of one.
     pub contact: Option<usize>,
-    /// Whether it leaves a part of a violation at the start of the step.
-    pub is_from_start: bool,
+    pub corrected: CorrectedRow,
 }
 
 /// The data of a contact of the recorded step, as the linearization needs them.
@@ -85,9 +85,9 @@ impl ContactImpulses {
         self.lifts.each_block(|_, rows, support, entries| {
             let contact = contacts.next().map(|active| active.point.number);
             let multiplier = self.lifts.multiplier[rows.start];
-            if multiplier != 0.0 {
-                let is_from_start = self.lifted_from_start[rows.start];
-                visit(support, entries, PushingRow { multiplier, contact, is_from_start });
+            let corrected = self.lifted[rows.start];
+            if multiplier != 0.0 || corrected.is_equality {
+                visit(support, entries, PushingRow { multiplier, contact, corrected });
             }
         });
     }

@@ -158,7 +158,8 @@ impl ImplicitIntegrator {
         let has_impulses = touches || has_rows_apart;
         if has_impulses {
             self.record_contacts();
-            self.record.record_change(&self.memory.force, &self.memory.applied);
+            let ImplicitMemory { force, applied, .. } = &self.memory;
+            self.record.record_change(force, applied, self.impulses.solved_rows());
             self.apply_impulses(model, h, v);
         }
         self.account_for_impulses(h, v, has_impulses);

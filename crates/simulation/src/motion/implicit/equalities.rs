@@ -12,7 +12,7 @@ use robot_dynamics_integrators::IntegratorError;
 use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
-use crate::contact::{Components, Interrupt, Mark, returns};
+use crate::contact::{Components, Equal, Interrupt, Mark, returns};
 use crate::equality::rows::{EqualityRow, EqualityRows};
 
 /// A row is dependent, and excluded, if its part independent of the earlier rows is below this fraction of
@@ -65,6 +65,11 @@ clone_in_place! {
 }
 
 impl EqualityMemory {
+    /// λ of the last step without impacts.
+    pub(super) fn carried(&self) -> &[f64] {
+        &self.carried
+    }
+
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.carried.copy_from_slice(&other.carried);
         self.impulses.copy_from_slice(&other.impulses);
@@ -221,11 +226,21 @@ impl Equalities {
             .map(move |&i| self.rows.rows()[i].error.map_or(0.0, |error| error - kept * self.start[i]))
     }
 
-    /// The rows with φ, each with its coordinates and its gap.
-    pub(super) fn held(&self, h: f64) -> impl Iterator<Item = (&[(usize, f64)], f64)> + Clone {
+    /// The rows with φ, each with its coordinates and its gap. Their numbers start at `first`.
+    pub(super) fn held(&self, h: f64, first: usize) -> impl Iterator<Item = Equal<'_>> + Clone {
         let rows = self.rows.rows();
         let held = self.active.iter().zip(self.gaps(h));
-        held.filter(|(i, _)| rows[**i].error.is_some()).map(|(i, gap)| (&rows[*i].terms[..], gap))
+        held.filter(|(i, _)| rows[**i].error.is_some()).map(move |(&i, gap)| Equal {
+            terms: &rows[i].terms,
+            gap,
+            was_violated: self.was_violated(i),
+            row: first + i,
+        })
+    }
+
+    /// Whether a row has an error at the start of the step that is removed gradually.
+    pub(super) fn was_violated(&self, row: usize) -> bool {
+        self.start[row] != 0.0
     }
 
     /// Stores the multipliers of the problem of a step of h, in the order of the enforced rows. Multipliers

@@ -10,6 +10,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use super::bounded_problem::BoundedProblem;
 use super::joints::{Joints, Stop};
+use super::linearization::SolvedRow;
 use super::measured::Measured;
 use crate::contact::{Components, Interrupt, Mark, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
@@ -64,16 +65,6 @@ clone_in_place! {
     }
 }
 
-/// A row after the solution of the step's problem.
-pub(super) struct SolvedRow<'a> {
-    /// Its coordinates with their factors.
-    pub(super) terms: &'a [(usize, f64)],
-    /// Whether its multiplier is between its bounds, so that its velocity is the target velocity.
-    pub(super) is_free: bool,
-    /// Whether it returns to a stop.
-    pub(super) returns: bool,
-}
-
 /// The stops of a row that a step meets or starts on.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowStops {
@@ -100,6 +91,11 @@ clone_in_place! {
 }
 
 impl ImpulseMemory {
+    /// Each row's force in the last step without impacts.
+    pub(super) fn carried(&self) -> &[f64] {
+        &self.carried
+    }
+
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.carried.copy_from_slice(&other.carried);
         self.forces.copy_from_slice(&other.forces);
@@ -285,12 +281,15 @@ impl Impulses {
     }
 
     /// The rows of the last problem.
-    pub(super) fn solved_rows(&self) -> impl Iterator<Item = SolvedRow<'_>> {
+    pub(super) fn solved_rows(&self) -> impl Iterator<Item = SolvedRow> + '_ {
         let Self { rows, terms, problem, back, .. } = self;
         rows.iter().enumerate().map(|(i, &row)| SolvedRow {
-            terms: &terms[row],
+            number: row,
+            terms: terms[row].clone(),
+            multiplier: problem.x[i],
             is_free: problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i],
             returns: back[i] != 0.0,
+            moves: self.moving(row).is_some(),
         })
     }
 

@@ -13,6 +13,7 @@
 //! The forces that the step takes over from the last one are constant.
 
 mod corrections;
+mod moving_rows;
 mod record;
 mod rows;
 mod smooth;
@@ -31,7 +32,7 @@ use crate::motion::step_actuation::StepActuation;
 use crate::placement::Placement;
 use crate::{StepForces, StepWorkspace};
 
-pub(super) use self::record::StepRecord;
+pub(super) use self::record::{SolvedRow, StepRecord};
 
 use self::rows::ImpulseChange;
 use self::smooth::SmoothChange;
@@ -74,15 +75,6 @@ impl ImplicitIntegrator {
     /// The effect of this robot that has no analytic derivative, if there is one.
     fn part_without_derivative(&self) -> Option<&'static str> {
         let drive = self.drive.as_ref().map(StepActuation::actuation);
-        if !self.paths.is_empty() {
-            return Some("limits of spatial tendons");
-        }
-        if self.equalities.is_some() {
-            return Some("closed loops or equalities");
-        }
-        if self.joints.first_turning() < self.joints.rows.len() {
-            return Some("limits of ball joints");
-        }
         if drive.is_some_and(crate::Actuation::has_fluid) {
             return Some("a fluid");
         }
@@ -186,7 +178,7 @@ impl ImplicitIntegrator {
         }
         let changes = (&q_change[..], &middle_change[..], &v_change[..]);
         let ImpulseChange { velocity, impulse, is_at_transition } =
-            self.impulse_change((model, workspace, placement), h, middle, inverse, changes);
+            self.impulse_change((model, workspace, placement), h, (q0, &free, middle), inverse, changes);
         let impulse = (&self.record.impulse[..], &impulse[..]);
         self.translations.add_changes(model, here, impulse, 1.0, targets);
         for ((change, v), way) in velocity.iter().zip(v_change).zip(&mut *theta_change) {
@@ -200,8 +192,8 @@ impl ImplicitIntegrator {
     /// A joint that sticks and was at rest does not move, unless it had a velocity.
     fn keep_at_rest(&self, v0: &[f64], theta_change: &mut [f64]) {
         let (nv, width) = (v0.len(), 3 * v0.len());
-        for row in self.impulses.solved_rows().filter(|row| row.is_free) {
-            let [(k, _)] = *row.terms else { continue };
+        for row in self.record.rows.iter().filter(|row| row.is_free && row.number < nv) {
+            let [(k, _)] = row.terms[..] else { continue };
             if v0[k] == 0.0 && self.record.after[k] == 0.0 {
                 for (column, entry) in theta_change[k * width..(k + 1) * width].iter_mut().enumerate() {
                     if column != nv + k {

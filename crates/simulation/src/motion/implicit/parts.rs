@@ -219,6 +219,7 @@ impl ImplicitIntegrator {
                 equalities.begin_with_trial();
             }
         }
+        self.record.forget_trials();
         self.store_state(q, v);
     }
 }

@@ -91,14 +91,16 @@ impl ImplicitIntegrator {
                 // A joint may leave its stop if the correction would otherwise leave a penetration.
                 let holds = lifted == 0 && impulses.holds(stop, gap);
                 let was_violated = stop.gap(paths.at_start(q)) < 0.0;
-                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
+                let (terms, moving) = (&impulses.terms()[stop.row][..], impulses.moving(stop.row));
+                Bound { terms, sign: stop.sign, gap, holds, was_violated, moving }
             });
             let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
             let rounding = ROUNDING[lifted.min(1)];
             if let Some(equalities) = equalities {
                 equalities.place(model, workspace, q1);
             }
-            let equal = equalities.iter().flat_map(|equalities| equalities.held(h));
+            let equal =
+                equalities.iter().flat_map(|equalities| equalities.held(h, impulses.first_equality()));
             if !contacts.lift(model, workspace, step, (q1, rounding), (bounds, equal), change) {
                 break;
             }
@@ -107,6 +109,10 @@ impl ImplicitIntegrator {
             record.record_lift(before, change, contacts);
         }
         contacts.note_depth();
+        if let Some(equalities) = equalities.as_mut().filter(|_| record.is_on) {
+            equalities.place(model, workspace, q1);
+            impulses.record_end(equalities, q1, change, record);
+        }
         land_on_stops(&joints.stops, q, q1);
     }
 
@@ -131,7 +137,7 @@ impl ImplicitIntegrator {
         }
         if let Some(equalities) = equalities {
             let rest = (equalities, (stops, paths), &*components);
-            impulses.put_on_equalities((model, workspace), factor, rest, h, (q, q1), change)
+            impulses.put_on_equalities((model, workspace), factor, rest, h, (q, q1), (change, record))
         } else {
             let state = (q, &mut q1[..]);
             impulses.put_on_stops(factor, (stops, components), h, state, (change, record), |way, from, to| {

@@ -16,8 +16,9 @@ use crate::{StepError, StepForces, StepWorkspace, Stepper};
 /// The layout is that of [`linearize_step`](crate::linearize_step). The derivatives of
 /// [`ImplicitIntegrator`](crate::ImplicitIntegrator) are those of its equations, with the contacts, stops and
 /// friction forces that act in the step. Each keeps its state: a contact sticks, slides or is open. Where
-/// that state is about to change, A and B are one-sided and the result says so. Closed loops, fluids and
-/// steps that an impact divides have no analytic derivative yet: they, and all other methods, use
+/// that state is about to change, A and B are one-sided and the result says so. Closed loops and coupled
+/// joints hold at the end of a step, so the derivatives of q₁ and v₁ keep them. Fluids and steps that an
+/// impact divides have no analytic derivative yet: they, and all other methods, use
 /// [`linearize_by_differences`](crate::linearize_by_differences).
 ///
 /// The stepper keeps its state, and with it the forces of the last step, which count as constant. A stepper

@@ -5,11 +5,12 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::super::equalities::Equalities;
 use super::super::joints::Stop;
+use super::super::linearization::StepRecord;
 use super::super::path_stops::PathStops;
 use super::super::stiff_factor::StiffFactor;
 use super::landing::{land_on_stops, nearer_stop};
 use super::{Impulses, ROUNDING};
-use crate::contact::{Components, returns};
+use crate::contact::{Components, CorrectedRow, PushingRow, returns};
 use crate::equality::rows::EqualityRow;
 
 /// The number of repeated corrections of φ, because φ is not linear.
@@ -61,7 +62,7 @@ impl Impulses {
         (equalities, (stops, paths), components): (&mut Equalities, (&[Stop], &mut PathStops), &Components),
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
-        change: &mut [f64],
+        (change, record): (&mut [f64], &mut StepRecord),
     ) -> Result<(), IntegratorError> {
         let kept = returns(h);
         for _ in 0..MOST_ROUNDS {
@@ -76,9 +77,63 @@ impl Impulses {
             self.newton_step(factor, (equalities, stops, components), h, gap, change)?;
             self.before.copy_from_slice(q1);
             integrate(model, &self.before, change, q1);
+            let stopped = self.rows.len() - self.held.len();
+            let was_violated = |stop: &Stop| stop.gap(paths.at_start(q0)) < 0.0;
+            let pushing = self.pushing_stops(stopped, stops, was_violated);
+            record.record_return((&self.before, change), pushing.chain(self.held_rows(equalities, true)));
         }
+        self.record_end(equalities, q1, change, record);
         land_on_stops(stops, q0, q1);
         Ok(())
+    }
+
+    /// Records the equalities at q₁. They determine how it depends on the start, also without a correction.
+    pub(in super::super) fn record_end(
+        &mut self,
+        equalities: &Equalities,
+        q1: &[f64],
+        change: &mut [f64],
+        record: &mut StepRecord,
+    ) {
+        if record.is_on {
+            change.fill(0.0);
+            self.copy_equality_rows(equalities);
+            record.record_return((q1, change), self.held_rows(equalities, false));
+        }
+    }
+
+    /// The enforced rows of equalities with φ. Their multipliers are those of the last correction if it has
+    /// moved q.
+    fn held_rows<'a>(
+        &'a self,
+        equalities: &'a Equalities,
+        has_moved: bool,
+    ) -> impl Iterator<Item = (&'a [(usize, f64)], PushingRow)> + 'a {
+        let stopped = self.rows.len().saturating_sub(self.held.len());
+        self.held.iter().zip(equalities.active()).enumerate().filter_map(move |(i, (&row, &equality))| {
+            equalities.rows()[equality].error?;
+            let multiplier = if has_moved { self.problem.x[stopped + i] } else { 0.0 };
+            let is_from_start = equalities.was_violated(equality);
+            let corrected = CorrectedRow { is_from_start, is_equality: true, moving: Some((row, 1.0)) };
+            Some((&self.terms[row][..], PushingRow { multiplier, contact: None, corrected }))
+        })
+    }
+
+    /// Copies all rows at their current values.
+    pub(in super::super) fn copy_all_equality_rows(&mut self, equalities: &Equalities) {
+        for (terms, row) in self.terms[self.own..].iter_mut().zip(equalities.rows()) {
+            terms.copy_from_slice(&row.terms);
+        }
+    }
+
+    /// The number of the first row of the equalities.
+    pub(in super::super) fn first_equality(&self) -> usize {
+        self.own
+    }
+
+    /// The number of this row, if its factors depend on q.
+    pub(in super::super) fn moving(&self, row: usize) -> Option<usize> {
+        (row >= self.turning).then_some(row)
     }
 
     /// Computes the displacement M̂⁻¹Aᵀλ that removes φ to first order and passes no stop, at the

@@ -6,7 +6,7 @@ use super::super::joints::{Length, Stop};
 use super::super::linearization::StepRecord;
 use super::super::stiff_factor::StiffFactor;
 use super::{Impulses, ROUNDING};
-use crate::contact::{Components, PushingRow, returns};
+use crate::contact::{Components, CorrectedRow, PushingRow, returns};
 
 impl Impulses {
     /// Moves `q1` along M̂⁻¹Eᵀ back to the stops that it is beyond; a violation at the start is removed
@@ -28,17 +28,30 @@ impl Impulses {
             let tree = self.tree_of(stops[i].row, components);
             if components.is_active(tree) && gap(&stops[i], q1) < 0.0 {
                 self.put_tree_on_stops(factor, (stops, components, tree), gap, q1, change, &mut go)?;
-                let pushing = self.rows.iter().zip(&self.problem.x).filter(|(_, x)| **x != 0.0);
-                let pushing = pushing.map(|(row, x)| {
-                    let is_pushing = |stop: &&Stop| stop.row == *row && stop.sign * x > 0.0;
-                    let is_from_start = stops.iter().find(is_pushing).is_some_and(|stop| stop.gap(q0) < 0.0);
-                    (&self.terms[*row][..], PushingRow { multiplier: *x, contact: None, is_from_start })
-                });
+                let pushing = self.pushing_stops(self.rows.len(), stops, |stop| stop.gap(q0) < 0.0);
                 record.record_return((&self.before, change), pushing);
             }
         }
         land_on_stops(stops, q0, q1);
         Ok(())
+    }
+
+    /// The first `count` rows of the last correction that push, which are those of stops. The function states
+    /// whether a stop was violated at the start of the step.
+    pub(super) fn pushing_stops<'a>(
+        &'a self,
+        count: usize,
+        stops: &'a [Stop],
+        was_violated: impl Fn(&Stop) -> bool + 'a,
+    ) -> impl Iterator<Item = (&'a [(usize, f64)], PushingRow)> + 'a {
+        let rows = self.rows[..count].iter().zip(&self.problem.x);
+        rows.filter(|(_, x)| **x != 0.0).map(move |(&row, &multiplier)| {
+            let is_pushing = |stop: &&Stop| stop.row == row && stop.sign * multiplier > 0.0;
+            let is_from_start = stops.iter().find(is_pushing).is_some_and(&was_violated);
+            let moving = self.moving(row).map(|row| (row, 1.0));
+            let corrected = CorrectedRow { is_from_start, is_equality: false, moving };
+            (&self.terms[row][..], PushingRow { multiplier, contact: None, corrected })
+        })
     }
 
     /// Corrects the stops of one tree.
@@ -155,7 +168,8 @@ mod tests {
                 let gap = stop.gap(&[BEYOND, 0.0][..]);
                 let holds = impulses.holds(stop, gap);
                 let was_violated = false;
-                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds, was_violated }
+                let terms = &impulses.terms()[stop.row][..];
+                Bound { terms, sign: stop.sign, gap, holds, was_violated, moving: None }
             });
             let mut matrix = Vec::new();
             factor.write(&joints, 0.0, &mut matrix);

@@ -17,7 +17,7 @@ impl ImplicitIntegrator {
     /// Takes a change of q through all position corrections of the step from q₀. A violation at the start
     /// leaves the fraction `kept`.
     pub(super) fn correction_changes(
-        &self,
+        &mut self,
         (model, workspace): (&Model, &mut Workspace),
         kept: f64,
         q0: &[f64],
@@ -26,15 +26,12 @@ impl ImplicitIntegrator {
         q_change: &mut Vec<f64>,
     ) {
         let mut placement = Placement::new(model);
-        for correction in &self.record.corrections {
+        for correction in &core::mem::take(&mut self.record.corrections) {
             let start_rows = self.start_rows(model, workspace, q0, correction, &mut placement);
-            placement.set(model, workspace, &correction.q);
             let (nv, width, count) = (model.nv, 3 * model.nv, correction.rows.len());
             let (mut bend, mut turned) = (vec![0.0; nv * nv], vec![0.0; count * nv]);
-            if let Some(contacts) = &self.contacts {
-                let Correction { rows, way, .. } = correction;
-                contacts.vary_correction(model, &mut placement, rows, way, &mut bend, &mut turned);
-            }
+            let gap_rows =
+                self.vary_rows((model, workspace), correction, (&mut bend, &mut turned), &mut placement);
             let inertia = inertia_derivative(model, workspace, middle, &correction.way);
             let a = &correction.entries;
             // At fixed p.
@@ -48,7 +45,7 @@ impl ImplicitIntegrator {
             let mut system = vec![0.0; count * count];
             multiply_changes(&[(a, &response)], count, &mut system);
             let mut missing = vec![0.0; count * width];
-            let pairs: [(&[f64], &[f64]); 3] = [(a, q_change), (a, &way_change), (&turned, q_change)];
+            let pairs: [(&[f64], &[f64]); 3] = [(&gap_rows, q_change), (a, &way_change), (&turned, q_change)];
             multiply_changes(&pairs, width, &mut missing);
             for (row, start) in missing.chunks_exact_mut(width).zip(start_rows.chunks_exact(nv)) {
                 for (k, x) in row.iter_mut().enumerate() {
@@ -62,9 +59,43 @@ impl ImplicitIntegrator {
         }
     }
 
+    /// Adds ∂(Aᵀp)/∂q of the rows of a correction, and writes ∂(A w)/∂q. Returns ∂g/∂q of the gaps at the start
+    /// of the correction.
+    fn vary_rows(
+        &mut self,
+        (model, workspace): (&Model, &mut Workspace),
+        correction: &Correction,
+        (bend, turned): (&mut [f64], &mut [f64]),
+        placement: &mut Placement,
+    ) -> Vec<f64> {
+        let (nv, Correction { q, rows, way, entries, .. }) = (model.nv, correction);
+        let mut gap_rows = entries.clone();
+        if let Some(contacts) = &self.contacts {
+            placement.set(model, workspace, q);
+            contacts.vary_correction(model, placement, rows, way, bend, turned);
+        }
+        let moving: Vec<_> = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(i, row)| row.corrected.moving.map(|own| (i, row, own)))
+            .collect();
+        let numbers: Vec<_> =
+            moving.iter().map(|(_, row, (number, sign))| (*number, sign * row.multiplier)).collect();
+        let velocity = self.vary_moving_rows((model, workspace), q, &numbers, way, bend);
+        for ((i, _, (number, sign)), velocity) in moving.into_iter().zip(velocity.chunks_exact(nv.max(1))) {
+            let own = i * nv..(i + 1) * nv;
+            turned[own.clone()].iter_mut().zip(velocity).for_each(|(to, x)| *to = sign * x);
+            gap_rows[own.clone()].fill(0.0);
+            for &(k, factor) in &self.impulses.terms()[number] {
+                gap_rows[own.start + k] += sign * factor;
+            }
+        }
+        gap_rows
+    }
+
     /// The rows at q₀ of the violations of which a part remains, and zeros otherwise.
     fn start_rows(
-        &self,
+        &mut self,
         model: &Model,
         workspace: &mut Workspace,
         q0: &[f64],
@@ -74,11 +105,18 @@ impl ImplicitIntegrator {
         let nv = model.nv;
         let mut start = vec![0.0; correction.entries.len()];
         placement.set(model, workspace, q0);
+        if correction.rows.iter().any(|row| row.corrected.is_from_start && row.corrected.moving.is_some()) {
+            self.turn_rows(model, workspace, q0, &self.kept.v.clone());
+        }
         let rows = correction.rows.iter().zip(correction.entries.chunks_exact(nv));
         for ((row, entries), start) in rows.zip(start.chunks_exact_mut(nv)) {
-            match (row.contact, &self.contacts) {
-                _ if !row.is_from_start => {}
-                (Some(number), Some(contacts)) => contacts.add_normal_row(model, placement, number, start),
+            match (row.contact, row.corrected.moving, &self.contacts) {
+                _ if !row.corrected.is_from_start => {}
+                (Some(number), _, Some(contacts)) => contacts.add_normal_row(model, placement, number, start),
+                (_, Some((number, sign)), _) => {
+                    let terms = &self.impulses.terms()[number];
+                    terms.iter().for_each(|&(k, factor)| start[k] += sign * factor);
+                }
                 _ => start.copy_from_slice(entries),
             }
         }

@@ -22,6 +22,8 @@ clone_in_place! {
         /// v before the impulses, if the step looked for them, and M̂⁻¹Eᵀλ; empty without impulses.
         pub(super) before: Vec<f64>,
         pub(super) change: Vec<f64>,
+        /// The rows of joints, tendons and equalities in the problem of the impulses.
+        pub(super) rows: Vec<SolvedRow>,
         /// v at the end before the momentum correction.
         pub(super) after: Vec<f64>,
         /// The position corrections, in their order.
@@ -45,7 +47,13 @@ impl StepRecord {
                 vector.clear();
             }
             self.corrections.clear();
+            self.rows.clear();
         }
+    }
+
+    /// Forgets trials before the step.
+    pub(in super::super) fn forget_trials(&mut self) {
+        self.passes = 0;
     }
 
     /// Copies the stages of the smooth part: k₁ + k₂, k₂ and the applied forces.
@@ -66,9 +74,15 @@ impl StepRecord {
         }
     }
 
-    /// Copies the change of v and the generalized impulses.
-    pub(in super::super) fn record_change(&mut self, change: &[f64], impulse: &[f64]) {
+    /// Copies the change of v, the generalized impulses and the rows of the problem.
+    pub(in super::super) fn record_change(
+        &mut self,
+        change: &[f64],
+        impulse: &[f64],
+        rows: impl Iterator<Item = SolvedRow>,
+    ) {
         if self.is_on {
+            self.rows.extend(rows);
             self.change.extend_from_slice(change);
             self.impulse.extend_from_slice(impulse);
         }
@@ -105,6 +119,21 @@ impl StepRecord {
             self.corrections.push(correction);
         }
     }
+}
+
+/// A row of a joint, tendon or equality after the solution of the step's problem.
+#[derive(Clone, Debug)]
+pub(in super::super) struct SolvedRow {
+    pub(in super::super) number: usize,
+    /// Its coordinates with their factors.
+    pub(in super::super) terms: Vec<(usize, f64)>,
+    pub(in super::super) multiplier: f64,
+    /// Whether its multiplier is between its bounds, so that its velocity is the target velocity.
+    pub(in super::super) is_free: bool,
+    /// Whether it returns to a stop.
+    pub(in super::super) returns: bool,
+    /// Whether its factors depend on q.
+    pub(in super::super) moves: bool,
 }
 
 /// One position correction: q ← q ⊕ M̂⁻¹Aᵀp.

@@ -50,8 +50,9 @@ struct ActingRows {
 enum RowSource {
     /// A row of the contact problem, and whether it closes a gap.
     Contact { row: usize, closing: bool },
-    /// A row of a joint or tendon, and whether it returns to a stop by the distance at q₀.
-    Joint { returns: bool },
+    /// A row of a joint, tendon or equality: whether it returns to a stop by the distance at q₀, its number,
+    /// and its place among the moving rows.
+    Joint { returns: bool, number: usize, moving: Option<usize> },
 }
 
 impl ActingRows {
@@ -70,10 +71,10 @@ impl ActingRows {
 impl ImplicitIntegrator {
     /// The change of the velocity by the impulses, for changes of q at the rows, of qₘ, and of v before.
     pub(super) fn impulse_change(
-        &self,
+        &mut self,
         (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
         h: f64,
-        middle: &[f64],
+        (start, free, middle): (&[f64], &[f64], &[f64]),
         inverse: &[f64],
         (q_change, middle_change, v_change): (&[f64], &[f64], &[f64]),
     ) -> ImpulseChange {
@@ -82,6 +83,7 @@ impl ImplicitIntegrator {
         let after: Vec<f64> =
             self.record.before.iter().zip(&self.record.change).map(|(v, change)| v + change).collect();
         let rows = self.acting_rows(inverse, &after);
+        let start_rows = self.start_entries((model, workspace), start, &rows);
 
         // δ(Aᵀp) by q at fixed p, ∂c/∂q of all rows of contacts, and ∂(M̂Δ)/∂qₘ.
         let mut bend = vec![0.0; nv * nv];
@@ -90,6 +92,9 @@ impl ImplicitIntegrator {
             velocity_by.resize(contacts.velocity_problem().start.len() * nv, 0.0);
             contacts.vary_rows(model, placement, h, &after, &mut bend, &mut velocity_by);
         }
+        let moving: Vec<_> = self.record.rows.iter().filter(|row| row.moves).collect();
+        let moving: Vec<_> = moving.into_iter().map(|row| (row.number, row.multiplier)).collect();
+        let moving_by = self.vary_moving_rows((model, workspace), free, &moving, &after, &mut bend);
         let inertia = inertia_derivative(model, workspace, middle, &self.record.change);
         let mut impulse = zeros();
         multiply_changes(&[(&bend, q_change)], width, &mut impulse);
@@ -102,7 +107,9 @@ impl ImplicitIntegrator {
         if rows.count() > 0 {
             // The multipliers, and their effect.
             let count = rows.count();
-            let change = rows.velocity_change(&velocity_by, [v_change, &velocity], q_change, width);
+            let by_position = rows.position_entries([&velocity_by, &moving_by], nv);
+            let change =
+                rows.velocity_change((&by_position, &start_rows), [v_change, &velocity], q_change, width);
             let transposed = transpose(&rows.entries, count, nv);
             let mut response = vec![0.0; nv * count];
             multiply_changes(&[(inverse, &transposed)], count, &mut response);
@@ -171,17 +178,41 @@ impl ImplicitIntegrator {
                 }
             });
         }
-        for joint in self.impulses.solved_rows() {
+        let mut moving = 0..;
+        for joint in &self.record.rows {
             let small = TRANSITION * fastest;
+            let place = if joint.moves { moving.next() } else { None };
             let speed: f64 = joint.terms.iter().map(|(k, factor)| factor * after[*k]).sum();
             if joint.is_free {
-                let source = RowSource::Joint { returns: joint.returns };
+                let source = RowSource::Joint { returns: joint.returns, number: joint.number, moving: place };
                 rows.push(nv, joint.terms.iter().copied(), source);
             } else {
                 rows.is_at_transition |= speed.abs() < small;
             }
         }
         rows
+    }
+
+    /// The rows at q₀ of those that return to a stop, and zeros for all others.
+    fn start_entries(
+        &mut self,
+        (model, workspace): (&Model, &mut Workspace),
+        start: &[f64],
+        rows: &ActingRows,
+    ) -> Vec<f64> {
+        let nv = model.nv;
+        let mut entries = vec![0.0; rows.entries.len()];
+        for (i, source) in rows.sources.iter().enumerate() {
+            let RowSource::Joint { returns: true, number, moving } = *source else { continue };
+            let to = &mut entries[i * nv..(i + 1) * nv];
+            to.copy_from_slice(&rows.entries[i * nv..(i + 1) * nv]);
+            if moving.is_some() {
+                self.turn_rows(model, workspace, start, &self.kept.v.clone());
+                to.fill(0.0);
+                self.impulses.terms()[number].iter().for_each(|&(k, factor)| to[k] += factor);
+            }
+        }
+        entries
     }
 }
 
@@ -203,37 +234,46 @@ pub(super) fn inertia_derivative(
 }
 
 impl ActingRows {
-    /// The change of the rows' velocities at fixed multipliers. `velocity_by` is ∂c/∂q of the rows of the
-    /// contact problem, and the change of v is a sum.
+    /// ∂c/∂q of all rows at a fixed velocity, from those of the rows of the contact problem and of the moving
+    /// rows.
+    fn position_entries(&self, [contacts_by, moving_by]: [&[f64]; 2], nv: usize) -> Vec<f64> {
+        let mut by_position = vec![0.0; self.count() * nv];
+        for (i, source) in self.sources.iter().enumerate() {
+            let (to, entries) = (&mut by_position[i * nv..(i + 1) * nv], &self.entries[i * nv..(i + 1) * nv]);
+            match *source {
+                RowSource::Contact { row, closing } => {
+                    to.copy_from_slice(&contacts_by[row * nv..(row + 1) * nv]);
+                    if closing {
+                        to.iter_mut().zip(entries).for_each(|(to, entry)| *to += entry / RETURN_TIME);
+                    }
+                }
+                RowSource::Joint { moving: Some(place), .. } => {
+                    to.copy_from_slice(&moving_by[place * nv..(place + 1) * nv]);
+                }
+                RowSource::Joint { .. } => {}
+            }
+        }
+        by_position
+    }
+
+    /// The change of the rows' velocities at fixed multipliers, from ∂c/∂q and the rows at q₀ of returns to
+    /// stops. The change of v is a sum.
     fn velocity_change(
         &self,
-        velocity_by: &[f64],
+        (by_position, start_rows): (&[f64], &[f64]),
         v_changes: [&[f64]; 2],
         q_change: &[f64],
         width: usize,
     ) -> Vec<f64> {
         let (count, nv) = (self.count(), width / 3);
-        let (mut by_position, mut back) = (vec![0.0; count * nv], vec![0.0; count * width]);
-        for (i, source) in self.sources.iter().enumerate() {
-            let (to, entries) = (&mut by_position[i * nv..(i + 1) * nv], &self.entries[i * nv..(i + 1) * nv]);
-            match *source {
-                RowSource::Contact { row, closing } => {
-                    to.copy_from_slice(&velocity_by[row * nv..(row + 1) * nv]);
-                    if closing {
-                        to.iter_mut().zip(entries).for_each(|(to, entry)| *to += entry / RETURN_TIME);
-                    }
-                }
-                RowSource::Joint { returns: true } => {
-                    let to = &mut back[i * width..][..nv];
-                    to.iter_mut().zip(entries).for_each(|(to, entry)| *to = entry / RETURN_TIME);
-                }
-                RowSource::Joint { returns: false } => {}
-            }
+        let mut back = vec![0.0; count * width];
+        for (back, entries) in back.chunks_exact_mut(width).zip(start_rows.chunks_exact(nv)) {
+            back.iter_mut().zip(entries).for_each(|(to, entry)| *to = entry / RETURN_TIME);
         }
         let mut change = vec![0.0; count * width];
         let a = &self.entries[..];
         multiply_changes(
-            &[(a, v_changes[0]), (a, v_changes[1]), (&by_position, q_change)],
+            &[(a, v_changes[0]), (a, v_changes[1]), (by_position, q_change)],
             width,
             &mut change,
         );

@@ -62,6 +62,8 @@ impl ImplicitIntegrator {
         if let Some(contacts) = &self.contacts {
             contacts.vary_carried(model, placement, &mut carried);
         }
+        let rows = self.carried_rows();
+        self.vary_moving_rows((model, workspace), &middle, &rows, v0, &mut carried);
         let inverse = self.inverse(g)?;
         let stiffness = self.stiffness(nv);
         let StepRecord { first, second, .. } = &self.record;
