@@ -140,6 +140,9 @@ impl StepperMemory {
             is_good = is_good && {
                 torques.at(state, (step, rollout.steps), h, (q, v), tau);
                 let forces = StepForces::new(tau, rollout.dissipation);
+                if rollout.restarts {
+                    stepper.clone_from(rollout.stepper);
+                }
                 tau.iter().all(|x| x.is_finite())
                     && stepper.check_mass(model, workspace.dynamics(), q).is_ok()
                     && stepper.step(model, workspace, &forces, h, q, v).is_ok()

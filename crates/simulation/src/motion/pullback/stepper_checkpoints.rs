@@ -133,6 +133,7 @@ impl<S: Stepper + Clone> StepperPullbackWorkspace<S> {
         (at, step): (&mut Checkpoint<S>, usize),
     ) -> Result<(), StepError> {
         let Checkpoint { q, v, stepper } = at;
+        restart(rollout, stepper);
         course.torque(step, &mut self.tau);
         stepper.check_mass(model, self.step.dynamics(), q)?;
         let forces = StepForces::new(&self.tau, rollout.dissipation);
@@ -151,6 +152,7 @@ impl<S: Stepper + Clone> StepperPullbackWorkspace<S> {
     ) -> Result<(), StepError> {
         let Self { step: memory, segment, tau, by_state, by_force, cotangent, force_cotangent, .. } = self;
         let Checkpoint { q, v, stepper } = &mut segment[k];
+        restart(rollout, stepper);
         course.torque(step, tau);
         stepper.check_mass(model, memory.dynamics(), q)?;
         let forces = StepForces::new(tau, rollout.dissipation);
@@ -168,9 +170,18 @@ impl<S: Stepper + Clone> StepperPullbackWorkspace<S> {
     }
 }
 
+/// Forgets the forces of the step before, if each step of the rollout restarts.
+fn restart<S: Clone>(rollout: &StepperRollout<'_, S>, stepper: &mut S) {
+    if rollout.restarts {
+        stepper.clone_from(rollout.stepper);
+    }
+}
+
 /// Writes Aᵀ x, cut into parts of equal length.
 pub(super) fn multiply_transposed(matrix: &[f64], x: &[f64], product: &mut [&mut [f64]]) {
-    product.iter_mut().for_each(|part| part.fill(0.0));
+    for part in product.iter_mut() {
+        part.fill(0.0);
+    }
     let parts = product.len();
     let rows = matrix.chunks_exact((matrix.len() / x.len().max(1)).max(1));
     for (row, x) in rows.zip(x).filter(|(_, x)| **x != 0.0) {
