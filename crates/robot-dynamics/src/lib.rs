@@ -142,13 +142,14 @@ pub mod derivatives {
         ConstrainedMotionDerivatives, ConstrainedMotionPullback, ConstrainedPullbackInputs,
         ConstrainedTorqueDerivatives, ConstrainedTorquePullback, ConstrainedTorquePullbackInputs,
         ContactImpulseDerivatives, ContactImpulsePullback, ImpulsePullbackInputs, LinearizationMethod,
-        LinearizeStepWorkspace, LinearizedStep, LinearizedSteps, MotionCotangents, RobotState, Rollout,
-        RolloutPullbackWorkspace, StepPullbackWorkspace, StepperPullbackWorkspace, StepperRollout,
-        TrajectoryCotangents, constrained_forward_dynamics_derivatives,
-        constrained_forward_dynamics_pullback, constrained_inverse_dynamics_derivatives,
-        constrained_inverse_dynamics_pullback, contact_impulse_derivatives, contact_impulse_pullback,
-        linearize_by_differences, linearize_step, linearize_stepper, rollout_pullback,
-        rollout_pullback_by_stepper, step_pullback, stepper_pullback,
+        LinearizeStepWorkspace, LinearizedStep, LinearizedStepWithParameters, LinearizedSteps,
+        MotionCotangents, RobotState, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace,
+        StepperPullbackWorkspace, StepperRollout, TrajectoryCotangents,
+        constrained_forward_dynamics_derivatives, constrained_forward_dynamics_pullback,
+        constrained_inverse_dynamics_derivatives, constrained_inverse_dynamics_pullback,
+        contact_impulse_derivatives, contact_impulse_pullback, linearize_by_differences, linearize_step,
+        linearize_stepper, linearize_stepper_with_parameters, rollout_pullback, rollout_pullback_by_stepper,
+        step_pullback, stepper_pullback,
     };
 }
 

@@ -88,6 +88,7 @@ fn errors_of_states_and_motions() {
     check(MotionError::from(singular_mass()), Singular);
     check(singular_mass(), Singular);
     check(StepError::NotDifferentiable { integrator: Integrator::VariationalMidpoint }, Unsupported);
+    check(StepError::ParametersNotDifferentiable { reason: "a fluid" }, Unsupported);
     check(StepError::from(singular_mass()), Singular);
     check(StepError::from(bad_input()), InvalidInput);
     check(StepError::Discontinuous { quantity: "q", coordinate: name() }, Infeasible);

@@ -60,11 +60,11 @@ pub use soft::{ActiveSet, SoftConstraints, SoftContact, SoftDynamicsInputs};
 pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
-pub(crate) use impulses::PushingRow;
 pub use impulses::position_correction::{Bound, Equal, ROUNDING};
 pub use impulses::{
     ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,
 };
+pub(crate) use impulses::{CorrectedRow, PushingRow};
 pub use interrupt::Interrupt;
 
 use nalgebra::{Matrix3, Vector3};

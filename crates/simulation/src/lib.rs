@@ -59,8 +59,9 @@ pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{
-    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, LinearizedSteps, linearize_by_differences,
-    linearize_step, linearize_stepper,
+    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, LinearizedStepWithParameters,
+    LinearizedSteps, linearize_by_differences, linearize_step, linearize_stepper,
+    linearize_stepper_with_parameters,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::pullback::{

@@ -3,6 +3,7 @@
 mod account;
 mod axes;
 mod contact_state;
+mod corrected_row;
 mod frame_variation;
 mod memory;
 pub(crate) mod position_correction;
@@ -25,8 +26,8 @@ use super::shape_point::ShapePoint;
 use super::{ConeProblem, ContactSet};
 use crate::placement::{Placement, Twist};
 
+pub(crate) use self::corrected_row::CorrectedRow;
 pub use self::memory::ContactMemory;
-pub(crate) use self::position_correction::CorrectedRow;
 pub use self::search::DEEP;
 pub(crate) use self::variation::PushingRow;
 

@@ -27,6 +27,7 @@
 //! correction to them, so sliding and resting keep the order. Positions take half of the impulse, q⁺ = q₁ ⊕
 //! ½hM̂⁻¹Eᵀλ, as under a constant force. Positions that remain beyond a stop are then moved to it.
 
+mod actuators;
 mod advance;
 mod bounded_problem;
 mod constraints;
@@ -70,10 +71,12 @@ use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::equality::rows::EqualityRows;
 use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
-use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
+use crate::motion::linearize_step::results::{
+    LinearizationMethod, LinearizedStep, LinearizedStepWithParameters,
+};
 use crate::motion::simulate::{Losses, StepError, Stepper};
 use crate::motion::step_actuation::{StepActuation, record, stored_energy};
-use crate::{Actuation, ContactLaws, StateTransition, StepForces, StepWorkspace};
+use crate::{ContactLaws, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {
     /// Steps with stiff joints, dry friction and stops. This [`Stepper`] takes the steps of a
@@ -253,38 +256,6 @@ impl ImplicitIntegrator {
         }
         self
     }
-
-    /// Adds tendons, gravity compensation, a fluid and actuators at these controls ([`Actuation`]); their
-    /// stiffness and damping are implicit. Lift and added mass of a fluid are explicit.
-    ///
-    /// # Panics
-    /// Panics if the number of controls differs from the number of actuators.
-    #[track_caller]
-    pub(crate) fn with_actuation(mut self, model: &Model, actuation: &Actuation, controls: &[f64]) -> Self {
-        self.joints.add_gains(model, actuation);
-        self.factor.couple(self.joints.couplings());
-        self.components.unite(self.joints.couplings().iter().map(|coupling| &coupling.row[..]));
-        self.resize_trees();
-        let actuation = actuation.clone().without_joint_tendon_friction();
-        let drive = StepActuation::new(self.memory.force.len(), &actuation, controls);
-        self.drive = Some(drive.with_fluid_counted_apart());
-        self
-    }
-
-    /// Takes over the rest positions of springs that yielded.
-    pub(crate) fn copy_rest_positions(&mut self, from: &Self) {
-        if let (Some(own), Some(from)) = (&mut self.drive, &from.drive) {
-            own.copy_rest_positions(from);
-        }
-    }
-
-    /// Sets the controls for the next steps, if there are actuators.
-    #[track_caller]
-    pub(crate) fn set_controls(&mut self, controls: &[f64]) {
-        if let Some(drive) = &mut self.drive {
-            drive.set_controls(controls);
-        }
-    }
 }
 
 impl Stepper for ImplicitIntegrator {
@@ -355,9 +326,26 @@ impl Stepper for ImplicitIntegrator {
         forces: &StepForces<'_>,
         h: f64,
         state: RobotState<'_>,
-        out: LinearizedStep<'_>,
+        step: LinearizedStep<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        let out = LinearizedStepWithParameters::of_step(step);
+        self.linearize_analytically(model, workspace, forces, h, state, out)
+    }
+
+    fn linearize_with_parameters(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStepWithParameters<'_>,
     ) -> Result<LinearizationMethod, StepError> {
         self.linearize_analytically(model, workspace, forces, h, state, out)
+    }
+
+    fn control_count(&self) -> usize {
+        self.drive.as_ref().map_or(0, |drive| drive.actuation().control_count())
     }
 
     fn explicit_gains(&self, _: &Model, _: bool, _: &mut [f64], _: &mut [f64]) {}

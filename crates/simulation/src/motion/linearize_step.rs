@@ -11,6 +11,7 @@ pub(crate) mod displacement;
 pub(super) mod product;
 pub mod results;
 mod stepper;
+mod with_parameters;
 
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{
@@ -31,8 +32,9 @@ use crate::motion::integrate::{check_step, net_force};
 use crate::motion::simulate::StepError;
 
 pub use self::differences::linearize_by_differences;
-pub use self::results::{LinearizationMethod, LinearizedStep, LinearizedSteps};
+pub use self::results::{LinearizationMethod, LinearizedStep, LinearizedStepWithParameters, LinearizedSteps};
 pub use self::stepper::linearize_stepper;
+pub use self::with_parameters::linearize_stepper_with_parameters;
 
 /// Scratch for [`linearize_step`] on one model.
 ///

@@ -86,6 +86,11 @@ impl StepActuation {
         self.controls.copy_from_slice(controls);
     }
 
+    /// The controls.
+    pub(crate) fn controls(&mut self) -> &mut [f64] {
+        &mut self.controls
+    }
+
     /// The forces at (q, v).
     pub(crate) fn forces(&mut self, model: &Model, q: &[f64], v: &[f64], forces: &mut [f64]) {
         let Self { actuation, workspace, controls, torques, .. } = self;

@@ -9,14 +9,13 @@ use thiserror::Error;
 
 use super::own_stepper::OwnStepper;
 use crate::constraints::ConstrainedStepper;
-use crate::motion::RobotState;
-use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
 #[cfg(feature = "adaptive")]
 use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, StateTransition, Stepper};
 use crate::{
     ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator,
-    LinearizeStepWorkspace, MujocoEuler, StepError, StepForces, StepWorkspace, linearize_step,
+    LinearizationMethod, LinearizeStepWorkspace, LinearizedStep, LinearizedStepWithParameters, MujocoEuler,
+    RobotState, StepError, StepForces, StepWorkspace, linearize_step,
 };
 
 /// The integration method of a simulation.
@@ -356,14 +355,28 @@ impl Stepper for SimulationStepper {
         state: RobotState<'_>,
         out: LinearizedStep<'_>,
     ) -> Result<LinearizationMethod, StepError> {
-        if let StepperKind::Row(row) = self.kind
-            && row.is_explicit()
-        {
+        if let Some(row) = self.row().filter(|row| row.is_explicit()) {
             let memory = &mut LinearizeStepWorkspace::new(model);
             linearize_step(model, row, memory, forces, h, state, out)?;
             return Ok(LinearizationMethod::Analytic { at_transition: false });
         }
         each!(&mut self.kind, own => own.linearize(model, workspace, forces, h, state, out))
+    }
+
+    fn linearize_with_parameters(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStepWithParameters<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        each!(&mut self.kind, own => own.linearize_with_parameters(model, workspace, forces, h, state, out))
+    }
+
+    fn control_count(&self) -> usize {
+        each!(&self.kind, own => own.control_count())
     }
 
     fn contact_laws(&self) -> Option<ContactLaws> {

@@ -32,6 +32,7 @@ mod pullback;
 mod simulation;
 mod soft_law;
 mod spatial_tendons;
+mod step_parameters;
 mod stepper_pullback;
 mod tendon_stops;
 mod transmissions;

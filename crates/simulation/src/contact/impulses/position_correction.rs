@@ -6,6 +6,7 @@ use robot_dynamics_core::{Model, Workspace};
 
 use super::contact_state::ActiveContact;
 use super::contact_state::InitialContact;
+use super::corrected_row::CorrectedRow;
 use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, ShapePoint, returns};
 use crate::contact::ContactSet;
 use crate::placement::Placement;
@@ -24,17 +25,6 @@ pub(super) const NEAR: f64 = 1e-4;
 /// The multiplier of a row that can only push, and of a row that pushes and pulls.
 const HALF_LINE: Set = Set::Interval(0.0, f64::INFINITY);
 const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
-
-/// The origin of a row of a position correction.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CorrectedRow {
-    /// Whether it leaves a part of a violation at the start of the step.
-    pub is_from_start: bool,
-    /// Whether it is an equality, which always acts.
-    pub is_equality: bool,
-    /// The number of a row of stops or equalities whose factors depend on q, and its sign.
-    pub moving: Option<(usize, f64)>,
-}
 
 /// A stop, for `ContactImpulses::lift`.
 #[derive(Clone, Copy, Debug)]

@@ -14,8 +14,8 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::model::WORLD;
 
 use super::axes::in_world;
+use super::corrected_row::CorrectedRow;
 use super::frame_variation::FrameVariation;
-use super::position_correction::CorrectedRow;
 use super::{CarriedForce, ContactImpulses, MOST_ROWS};
 use crate::contact::ContactSet;
 use crate::contact::shape_point::{ContactPartner, ShapePoint};

@@ -1,6 +1,7 @@
 //! The derivatives A and B of a step by the equations that the step satisfies.
 //!
-//! A change is a matrix of nv rows and 3nv columns, the derivative of a vector by (δq₀, δv₀, δτ).
+//! A change is a matrix of nv rows, the derivative of a vector by (δq₀, δv₀, δτ), and by controls, inertial
+//! parameters and friction if they are asked for (`columns`).
 //!
 //! 1. **Smooth part** (`smooth`). The stages solve M̂k = F. M k + C v + g is inverse dynamics, so
 //!    M̂ δk = δF − ∂τ_ID/∂q δq − ∂τ_ID/∂v δv at fixed k.
@@ -12,8 +13,10 @@
 //!
 //! The forces that the step takes over from the last one are constant.
 
+mod columns;
 mod corrections;
 mod moving_rows;
+mod parameters;
 mod record;
 mod rows;
 mod smooth;
@@ -26,7 +29,7 @@ use super::momentum::TargetChanges;
 use crate::contact::returns;
 use crate::motion::RobotState;
 use crate::motion::linearize_step::displacement::retraction_change;
-use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
+use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStepWithParameters};
 use crate::motion::simulate::StepError;
 use crate::motion::step_actuation::StepActuation;
 use crate::placement::Placement;
@@ -34,6 +37,7 @@ use crate::{StepForces, StepWorkspace};
 
 pub(super) use self::record::{SolvedRow, StepRecord};
 
+use self::columns::Columns;
 use self::rows::ImpulseChange;
 use self::smooth::SmoothChange;
 
@@ -47,7 +51,7 @@ impl ImplicitIntegrator {
         forces: &StepForces<'_>,
         h: f64,
         state: RobotState<'_>,
-        out: LinearizedStep<'_>,
+        out: LinearizedStepWithParameters<'_>,
     ) -> Result<LinearizationMethod, StepError> {
         if let Some(reason) = self.part_without_derivative() {
             return Ok(LinearizationMethod::Differences { reason });
@@ -110,16 +114,21 @@ impl ImplicitIntegrator {
         h: f64,
         RobotState { q: q0, v: v0 }: RobotState<'_>,
         (q1, v1): (&[f64], &[f64]),
-        mut out: LinearizedStep<'_>,
+        out: LinearizedStepWithParameters<'_>,
     ) -> Result<LinearizationMethod, StepError> {
         if let Some(reason) = self.step_without_derivative() {
             return Ok(LinearizationMethod::Differences { reason });
         }
-        let (nv, width) = (model.nv, 3 * model.nv);
+        let LinearizedStepWithParameters { step: mut out, by_control, by_inertial, by_friction } = out;
+        let controls = self.drive.as_mut().map_or(0, |drive| drive.controls().len());
+        let controls = if by_control.is_empty() { 0 } else { controls };
+        let columns = &Columns::new(model, controls, !by_inertial.is_empty(), !by_friction.is_empty());
+        let (nv, width) = (model.nv, columns.width());
         let mut placement = Placement::new(model);
         placement.set(model, workspace, q0);
-        let mut targets = self.translations.start_changes(model, &placement, v0, width);
-        let mut smooth = self.smooth_change(model, workspace, h, (q0, v0), &mut placement)?;
+        let inertial = (columns.inertial > 0).then(|| columns.first_inertial());
+        let mut targets = self.translations.start_changes((model, &placement), h, v0, (width, inertial));
+        let mut smooth = self.smooth_change(model, workspace, (h, columns), (q0, v0), &mut placement)?;
         let applied = (&self.record.applied[..], &smooth.applied_change[..]);
         let at_middle = (&smooth.middle[..], &smooth.middle_change[..]);
         self.translations.add_changes(model, at_middle, applied, 0.5 * h, &mut targets);
@@ -127,10 +136,15 @@ impl ImplicitIntegrator {
         // The inertia of impulses and of corrections.
         let acts = !(self.record.change.is_empty() && self.record.corrections.is_empty());
         let inverse = if acts { self.inverse(0.5 * h)? } else { Vec::new() };
-        let mut at_transition = false;
+        let mut at_transition = smooth.is_at_bound;
         if !self.record.before.is_empty() {
             let (at, targets) = ((model, &mut *workspace, &mut placement), &mut targets);
-            at_transition = self.add_impulses(at, h, (q0, v0), &inverse, &mut smooth, targets);
+            let found = self.add_impulses(at, (h, columns), (q0, v0), &inverse, &mut smooth, targets);
+            let Some(is_at_transition) = found else {
+                let reason = "sliding contacts whose forces are not determined";
+                return Ok(LinearizationMethod::Differences { reason });
+            };
+            at_transition |= is_at_transition;
         }
 
         // The positions and the momentum at the end.
@@ -140,27 +154,31 @@ impl ImplicitIntegrator {
         retraction_change(model, &way, &theta_change, &mut q_change);
         let kept = returns(h);
         let at_middle = (&middle[..], &middle_change[..]);
-        self.correction_changes((model, workspace), kept, q0, &inverse, at_middle, &mut q_change);
+        self.correction_changes((model, workspace), (kept, columns), q0, &inverse, at_middle, &mut q_change);
         placement.set(model, workspace, q1);
         let (here, speeds) = ((q1, &q_change[..]), (&self.record.after[..], v1));
         let (translations, at) = (&self.translations, (model, &placement));
         translations.restore_changes(at, &self.joints, here, speeds, &targets, &mut v_change);
 
         out.write_changes(nv, &q_change, &v_change);
+        let changes = [&q_change[..], &v_change];
+        columns.write((columns.first_control(), columns.controls), changes, by_control);
+        columns.write((columns.first_inertial(), columns.inertial), changes, by_inertial);
+        columns.write((columns.first_friction(), columns.friction), changes, by_friction);
         Ok(LinearizationMethod::Analytic { at_transition })
     }
 
     /// Adds the change by the impulses at the end of the smooth part; returns whether one of them is at a
-    /// transition.
+    /// transition, or `None` if they are not determined.
     fn add_impulses(
         &mut self,
         (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
-        h: f64,
+        (h, columns): (f64, &Columns),
         (q0, v0): (&[f64], &[f64]),
         inverse: &[f64],
         smooth: &mut SmoothChange,
         targets: &mut TargetChanges,
-    ) -> bool {
+    ) -> Option<bool> {
         let SmoothChange { middle, theta, theta_change, v_change, middle_change, .. } = smooth;
         let (mut free, mut q_change) = (vec![0.0; model.nq], vec![0.0; theta_change.len()]);
         integrate(model, q0, theta, &mut free);
@@ -174,11 +192,19 @@ impl ImplicitIntegrator {
         let at = (model, &*placement);
         self.translations.restore_changes(at, &self.joints, here, speeds, targets, v_change);
         if self.record.change.is_empty() {
-            return false;
+            return Some(false);
         }
         let changes = (&q_change[..], &middle_change[..], &v_change[..]);
-        let ImpulseChange { velocity, impulse, is_at_transition } =
-            self.impulse_change((model, workspace, placement), h, (q0, &free, middle), inverse, changes);
+        let ImpulseChange { velocity, impulse, is_at_transition, is_undetermined } = self.impulse_change(
+            (model, workspace, placement),
+            (h, columns),
+            (q0, &free, middle),
+            inverse,
+            changes,
+        );
+        if is_undetermined {
+            return None;
+        }
         let impulse = (&self.record.impulse[..], &impulse[..]);
         self.translations.add_changes(model, here, impulse, 1.0, targets);
         for ((change, v), way) in velocity.iter().zip(v_change).zip(&mut *theta_change) {
@@ -186,12 +212,12 @@ impl ImplicitIntegrator {
             *way += 0.5 * h * change;
         }
         self.keep_at_rest(v0, theta_change);
-        is_at_transition
+        Some(is_at_transition)
     }
 
     /// A joint that sticks and was at rest does not move, unless it had a velocity.
     fn keep_at_rest(&self, v0: &[f64], theta_change: &mut [f64]) {
-        let (nv, width) = (v0.len(), 3 * v0.len());
+        let (nv, width) = (v0.len(), theta_change.len() / v0.len().max(1));
         for row in self.record.rows.iter().filter(|row| row.is_free && row.number < nv) {
             let [(k, _)] = row.terms[..] else { continue };
             if v0[k] == 0.0 && self.record.after[k] == 0.0 {

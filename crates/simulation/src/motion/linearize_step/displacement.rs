@@ -84,8 +84,9 @@ fn series(theta: JointDisplacement, x: JointDisplacement, first: u32) -> JointDi
 
 /// Adds `entry` to the diagonal of the block of δq₀ (0), δv₀ (1) or δτ (2).
 pub(in crate::motion) fn add_identity(change: &mut [f64], nv: usize, block: usize, entry: f64) {
+    let width = change.len() / nv.max(1);
     for k in 0..nv {
-        change[k * 3 * nv + block * nv + k] += entry;
+        change[k * width + block * nv + k] += entry;
     }
 }
 
@@ -120,7 +121,7 @@ pub(in crate::motion) fn rate_change(
     (v, v_change): (&[f64], &[f64]),
     rate_change: &mut [f64],
 ) {
-    let width = 3 * model.nv;
+    let width = theta_change.len() / model.nv.max(1);
     for CoordinateRange { chart, v: k, .. } in coordinate_ranges(model) {
         if chart == Chart::Line {
             let row = k * width..(k + 1) * width;

@@ -12,15 +12,40 @@ pub struct LinearizedStep<'a> {
 }
 
 impl LinearizedStep<'_> {
-    /// Writes A and B from the changes of q₁ and v₁ by (δq₀, δv₀, δτ), each nv×3nv.
+    /// Writes A and B from the changes of q₁ and v₁, whose first columns are those of (δq₀, δv₀, δτ).
     pub(in crate::motion) fn write_changes(&mut self, nv: usize, q_change: &[f64], v_change: &[f64]) {
         for (half, change) in [q_change, v_change].into_iter().enumerate() {
-            for (i, row) in change.chunks_exact((3 * nv).max(1)).enumerate() {
+            for (i, row) in change.chunks_exact((change.len() / nv.max(1)).max(1)).enumerate() {
                 let to = half * nv + i;
                 self.by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
-                self.by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
+                self.by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..3 * nv]);
             }
         }
+    }
+}
+
+/// The derivatives of a step by its state, forces and parameters, as the output of
+/// [`linearize_stepper_with_parameters`](crate::linearize_stepper_with_parameters). An empty slice leaves a
+/// group out.
+#[derive(Debug)]
+pub struct LinearizedStepWithParameters<'a> {
+    /// A and B.
+    pub step: LinearizedStep<'a>,
+    /// By the controls of the actuators, 2nv × controls, row-major.
+    pub by_control: &'a mut [f64],
+    /// By the inertial parameters, 2nv × 10·links, row-major: m, m c and I of each of
+    /// [`Model::moving_links`](robot_dynamics_core::Model::moving_links), in the order of
+    /// [`inertial_parameters`](robot_dynamics_core::inertial_parameters).
+    pub by_inertial: &'a mut [f64],
+    /// By the sliding friction μ of all contacts together, 2nv numbers. Torsional and rolling friction change
+    /// in proportion to it.
+    pub by_friction: &'a mut [f64],
+}
+
+impl<'a> LinearizedStepWithParameters<'a> {
+    /// Without parameters.
+    pub(in crate::motion) fn of_step(step: LinearizedStep<'a>) -> Self {
+        Self { step, by_control: &mut [], by_inertial: &mut [], by_friction: &mut [] }
     }
 }
 

@@ -96,6 +96,15 @@ pub enum StepError {
         /// The perturbed coordinate.
         coordinate: String,
     },
+    /// The step has no derivatives by controls, inertial parameters and friction.
+    #[error(
+        "the step has no derivatives by parameters because of {reason}; use steps of `implicit` without it, or \
+         differences of steps"
+    )]
+    ParametersNotDifferentiable {
+        /// The part of the step without an analytic derivative.
+        reason: &'static str,
+    },
     /// A custom stepper failed.
     #[error(transparent)]
     Callback(#[from] CallbackError),
@@ -114,7 +123,9 @@ impl Classified for StepError {
             Self::Integrator(error) => error.kind(),
             Self::SingularMass(error) => error.kind(),
             Self::Constraint(error) => error.kind(),
-            Self::NotExplicit { .. } | Self::NotDifferentiable { .. } => ErrorKind::Unsupported,
+            Self::NotExplicit { .. }
+            | Self::NotDifferentiable { .. }
+            | Self::ParametersNotDifferentiable { .. } => ErrorKind::Unsupported,
             Self::Discontinuous { .. } => ErrorKind::Infeasible,
             Self::StepTooSmall { .. } | Self::TooManySteps { .. } => ErrorKind::NotConverged,
             Self::Diverged { .. } => ErrorKind::Diverged,

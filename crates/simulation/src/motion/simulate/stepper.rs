@@ -6,7 +6,9 @@ use robot_dynamics_integrators::{EnergyAccount, Integrator};
 use super::gains::add_passive_gains;
 use super::{Losses, StepError, record_step};
 use crate::motion::RobotState;
-use crate::motion::linearize_step::results::{LinearizationMethod, LinearizedStep};
+use crate::motion::linearize_step::results::{
+    LinearizationMethod, LinearizedStep, LinearizedStepWithParameters,
+};
 use crate::{ActiveSet, ContactLaws, StateTransition, StepForces, StepWorkspace, step};
 
 /// An integration method of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators
@@ -200,6 +202,29 @@ pub trait Stepper {
     ) -> Result<LinearizationMethod, StepError> {
         let _ = (model, workspace, forces, h, state, out);
         Ok(LinearizationMethod::Differences { reason: "a method without derivatives" })
+    }
+
+    /// As [`linearize`](Self::linearize), with the derivatives by the parameters whose slices are not empty.
+    /// [`linearize_stepper_with_parameters`](crate::linearize_stepper_with_parameters) checks the input.
+    ///
+    /// # Errors
+    /// The step failed.
+    fn linearize_with_parameters(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        state: RobotState<'_>,
+        out: LinearizedStepWithParameters<'_>,
+    ) -> Result<LinearizationMethod, StepError> {
+        let _ = (model, workspace, forces, h, state, out);
+        Ok(LinearizationMethod::Differences { reason: "a method without derivatives by parameters" })
+    }
+
+    /// The number of controls of the actuators that the method evaluates.
+    fn control_count(&self) -> usize {
+        0
     }
 
     /// Adds the nv×nv gains K and D of the forces −K δq − D v that the method treats explicitly. They bound

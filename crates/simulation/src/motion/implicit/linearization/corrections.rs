@@ -6,6 +6,8 @@
 use robot_dynamics_core::{Model, Workspace};
 
 use super::super::ImplicitIntegrator;
+use super::columns::Columns;
+use super::parameters::inertia_regressor;
 use super::record::Correction;
 use super::rows::inertia_derivative;
 use super::systems::{solve_dependent, transpose};
@@ -19,7 +21,7 @@ impl ImplicitIntegrator {
     pub(super) fn correction_changes(
         &mut self,
         (model, workspace): (&Model, &mut Workspace),
-        kept: f64,
+        (kept, columns): (f64, &Columns),
         q0: &[f64],
         inverse: &[f64],
         (middle, middle_change): (&[f64], &[f64]),
@@ -28,7 +30,7 @@ impl ImplicitIntegrator {
         let mut placement = Placement::new(model);
         for correction in &core::mem::take(&mut self.record.corrections) {
             let start_rows = self.start_rows(model, workspace, q0, correction, &mut placement);
-            let (nv, width, count) = (model.nv, 3 * model.nv, correction.rows.len());
+            let (nv, width, count) = (model.nv, columns.width(), correction.rows.len());
             let (mut bend, mut turned) = (vec![0.0; nv * nv], vec![0.0; count * nv]);
             let gap_rows =
                 self.vary_rows((model, workspace), correction, (&mut bend, &mut turned), &mut placement);
@@ -37,6 +39,8 @@ impl ImplicitIntegrator {
             // At fixed p.
             let mut right = vec![0.0; nv * width];
             multiply_changes(&[(&bend, q_change), (&inertia, middle_change)], width, &mut right);
+            let by_inertial = inertia_regressor(model, workspace, columns, (middle, &correction.way));
+            columns.add(&mut right, columns.first_inertial(), -1.0, &by_inertial);
             let mut way_change = vec![0.0; nv * width];
             multiply_changes(&[(inverse, &right)], width, &mut way_change);
             let transposed = transpose(a, count, nv);
@@ -59,8 +63,8 @@ impl ImplicitIntegrator {
         }
     }
 
-    /// Adds ∂(Aᵀp)/∂q of the rows of a correction, and writes ∂(A w)/∂q. Returns ∂g/∂q of the gaps at the start
-    /// of the correction.
+    /// Adds ∂(Aᵀp)/∂q of the rows of a correction, and writes ∂(A w)/∂q. Returns ∂g/∂q of the gaps at the
+    /// start of the correction.
     fn vary_rows(
         &mut self,
         (model, workspace): (&Model, &mut Workspace),
@@ -114,8 +118,9 @@ impl ImplicitIntegrator {
                 _ if !row.corrected.is_from_start => {}
                 (Some(number), _, Some(contacts)) => contacts.add_normal_row(model, placement, number, start),
                 (_, Some((number, sign)), _) => {
-                    let terms = &self.impulses.terms()[number];
-                    terms.iter().for_each(|&(k, factor)| start[k] += sign * factor);
+                    for &(k, factor) in &self.impulses.terms()[number] {
+                        start[k] += sign * factor;
+                    }
                 }
                 _ => start.copy_from_slice(entries),
             }
@@ -126,7 +131,7 @@ impl ImplicitIntegrator {
 
 /// The change of q ⊕ w: e^(−ad w) δq + J(w) δw.
 fn move_change(model: &Model, way: &[f64], way_change: &[f64], q_change: &mut Vec<f64>) {
-    let (nv, width) = (model.nv, 3 * model.nv);
+    let (nv, width) = (model.nv, way_change.len() / model.nv.max(1));
     let zeros = || vec![0.0; nv * width];
     let (mut carried, mut moved) = (zeros(), zeros());
     retraction_change(model, way, &zeros(), &mut carried);

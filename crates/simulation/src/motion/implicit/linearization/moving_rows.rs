@@ -6,6 +6,7 @@
 use robot_dynamics_core::{Model, Workspace, integrate};
 
 use super::super::ImplicitIntegrator;
+use super::super::equalities::EqualityMemory;
 
 /// The displacement of a coordinate to either side \[rad, m\]. A row has an error of half its square times
 /// the third derivative, and rounding of 1e-10.
@@ -58,12 +59,12 @@ impl ImplicitIntegrator {
         velocity
     }
 
-    /// The forces of the last step along such rows, which act in the smooth part: the numbers of the rows, and
-    /// the forces.
+    /// The forces of the last step along such rows, which act in the smooth part: the numbers of the rows,
+    /// and the forces.
     pub(super) fn carried_rows(&self) -> Vec<(usize, f64)> {
         let own = self.kept.impulses.carried().iter().copied().enumerate();
         let own = own.filter(|(row, _)| self.impulses.moving(*row).is_some());
-        let equal = self.kept.equalities.iter().flat_map(|equalities| equalities.carried());
+        let equal = self.kept.equalities.iter().flat_map(EqualityMemory::carried);
         let first = self.impulses.first_equality();
         let equal = equal.enumerate().map(|(i, force)| (first + i, *force));
         own.chain(equal).filter(|(_, force)| *force != 0.0).collect()

@@ -7,6 +7,8 @@ use robot_dynamics_core::{
 };
 
 use super::super::ImplicitIntegrator;
+use super::columns::Columns;
+use super::parameters::inertia_regressor;
 use super::systems::{solve_dependent, transpose};
 use crate::contact::{RETURN_TIME, Set};
 use crate::motion::linearize_step::product::multiply_changes;
@@ -16,6 +18,10 @@ use crate::placement::Placement;
 /// are both below this fraction of the speeds.
 const TRANSITION: f64 = 1e-8;
 
+/// A direction in which the equations leave the multipliers free changes the velocity if its effect exceeds
+/// this fraction of the effects of single multipliers.
+const UNDETERMINED: f64 = 1e-6;
+
 /// The change by the impulses.
 pub(super) struct ImpulseChange {
     /// The change of the velocity.
@@ -23,6 +29,8 @@ pub(super) struct ImpulseChange {
     /// The change of the generalized impulses of the contacts.
     pub(super) impulse: Vec<f64>,
     pub(super) is_at_transition: bool,
+    /// Whether the forces of contacts that slide, and with them the motion, are not determined.
+    pub(super) is_undetermined: bool,
 }
 
 /// A contact that slides.
@@ -31,6 +39,8 @@ struct Sliding {
     normal: usize,
     tangential: Range<usize>,
     friction: f64,
+    /// pₙ.
+    pressure: f64,
     /// û = c_t/|c_t|, and μ pₙ/|c_t|.
     direction: Vec<f64>,
     ratio: f64,
@@ -73,12 +83,12 @@ impl ImplicitIntegrator {
     pub(super) fn impulse_change(
         &mut self,
         (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
-        h: f64,
+        (h, columns): (f64, &Columns),
         (start, free, middle): (&[f64], &[f64], &[f64]),
         inverse: &[f64],
         (q_change, middle_change, v_change): (&[f64], &[f64], &[f64]),
     ) -> ImpulseChange {
-        let (nv, width) = (model.nv, 3 * model.nv);
+        let (nv, width) = (model.nv, columns.width());
         let zeros = || vec![0.0; nv * width];
         let after: Vec<f64> =
             self.record.before.iter().zip(&self.record.change).map(|(v, change)| v + change).collect();
@@ -101,29 +111,41 @@ impl ImplicitIntegrator {
         let mut right = zeros();
         multiply_changes(&[(&inertia, middle_change)], width, &mut right);
         right.iter_mut().zip(&impulse).for_each(|(sum, change)| *sum += change);
+        let by_inertial = inertia_regressor(model, workspace, columns, (middle, &self.record.change));
+        columns.add(&mut right, columns.first_inertial(), -1.0, &by_inertial);
         let mut velocity = zeros();
         multiply_changes(&[(inverse, &right)], width, &mut velocity);
 
+        let mut is_undetermined = false;
         if rows.count() > 0 {
             // The multipliers, and their effect.
             let count = rows.count();
             let by_position = rows.position_entries([&velocity_by, &moving_by], nv);
-            let change =
-                rows.velocity_change((&by_position, &start_rows), [v_change, &velocity], q_change, width);
+            let change = rows.velocity_change(
+                (&by_position, &start_rows),
+                [v_change, &velocity],
+                q_change,
+                (nv, width),
+            );
             let transposed = transpose(&rows.entries, count, nv);
             let mut response = vec![0.0; nv * count];
             multiply_changes(&[(inverse, &transposed)], count, &mut response);
             let mut delassus = vec![0.0; count * count];
             multiply_changes(&[(&rows.entries, &response)], count, &mut delassus);
-            let (mut system, mut multipliers) = rows.system(&delassus, &change, width);
-            solve_dependent(&mut system, count, &mut multipliers, width);
+            let (mut system, mut multipliers) = rows.system(&delassus, &change, columns);
+            let elimination = solve_dependent(&mut system, count, &mut multipliers, width);
+            if !rows.sliding.is_empty() {
+                elimination.each_free_direction(&system, |direction| {
+                    is_undetermined |= moves(&response, direction);
+                });
+            }
             let mut more = zeros();
             multiply_changes(&[(&response, &multipliers)], width, &mut more);
             velocity.iter_mut().zip(&more).for_each(|(sum, change)| *sum += change);
             multiply_changes(&[(&transposed, &multipliers)], width, &mut more);
             impulse.iter_mut().zip(&more).for_each(|(sum, change)| *sum += change);
         }
-        ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition }
+        ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition, is_undetermined }
     }
 
     /// The rows that act, and their state, at the velocity after the impulses.
@@ -174,7 +196,14 @@ impl ImplicitIntegrator {
                 if slides {
                     let direction = c[1..].iter().map(|c| c / slip).collect();
                     let (tangential, ratio) = (begin..rows.count(), friction * p[0] / slip);
-                    rows.sliding.push(Sliding { normal, tangential, friction, direction, ratio });
+                    rows.sliding.push(Sliding {
+                        normal,
+                        tangential,
+                        friction,
+                        pressure: p[0],
+                        direction,
+                        ratio,
+                    });
                 }
             });
         }
@@ -214,6 +243,18 @@ impl ImplicitIntegrator {
         }
         entries
     }
+}
+
+/// Whether multipliers in a direction change the velocity, by more than rounding of the effect of each.
+fn moves(response: &[f64], direction: &[f64]) -> bool {
+    response.chunks_exact(direction.len()).any(|row| {
+        let (mut sum, mut most) = (0.0_f64, 0.0_f64);
+        for (entry, multiplier) in row.iter().zip(direction) {
+            sum += entry * multiplier;
+            most = most.max((entry * multiplier).abs());
+        }
+        sum.abs() > UNDETERMINED * most
+    })
 }
 
 /// −∂(M(qₘ) x)/∂qₘ.
@@ -263,9 +304,9 @@ impl ActingRows {
         (by_position, start_rows): (&[f64], &[f64]),
         v_changes: [&[f64]; 2],
         q_change: &[f64],
-        width: usize,
+        (nv, width): (usize, usize),
     ) -> Vec<f64> {
-        let (count, nv) = (self.count(), width / 3);
+        let count = self.count();
         let mut back = vec![0.0; count * width];
         for (back, entries) in back.chunks_exact_mut(width).zip(start_rows.chunks_exact(nv)) {
             back.iter_mut().zip(entries).for_each(|(to, entry)| *to = entry / RETURN_TIME);
@@ -282,12 +323,12 @@ impl ActingRows {
     }
 
     /// The equations of the multipliers' changes, and their right-hand sides.
-    fn system(&self, delassus: &[f64], change: &[f64], width: usize) -> (Vec<f64>, Vec<f64>) {
-        let count = self.count();
+    fn system(&self, delassus: &[f64], change: &[f64], columns: &Columns) -> (Vec<f64>, Vec<f64>) {
+        let (count, width) = (self.count(), columns.width());
         let mut system = delassus.to_vec();
         let mut right: Vec<f64> = change.iter().map(|x| -x).collect();
         for sliding in &self.sliding {
-            let Sliding { normal, tangential, friction, direction, ratio } = sliding;
+            let Sliding { normal, tangential, friction, pressure, direction, ratio } = sliding;
             // The pivots of these equations are comparable with those of the others.
             let scale = delassus[normal * count + normal];
             for (r, row) in tangential.clone().enumerate() {
@@ -303,6 +344,9 @@ impl ActingRows {
                     for (to, change) in to.iter_mut().zip(&change[other * width..(other + 1) * width]) {
                         *to -= factor * change;
                     }
+                }
+                if columns.friction > 0 {
+                    to[columns.first_friction()] -= pressure * direction[r];
                 }
                 own[row] += 1.0;
                 own[*normal] += friction * direction[r];

@@ -8,6 +8,8 @@ use robot_dynamics_core::{
 use super::super::ImplicitIntegrator;
 use super::super::rosenbrock::GAMMA;
 use super::StepRecord;
+use super::columns::Columns;
+use super::parameters::regressor;
 use crate::motion::linearize_step::displacement::{add_identity, rate_change, retraction_change};
 use crate::motion::linearize_step::product::multiply_changes;
 use crate::motion::simulate::StepError;
@@ -28,6 +30,8 @@ pub(super) struct SmoothChange {
     pub(super) middle_change: Vec<f64>,
     /// The change of the sum of both stages' forces without C v, gravity and damping.
     pub(super) applied_change: Vec<f64>,
+    /// Whether a control is at a bound, so that the derivative by it is one-sided.
+    pub(super) is_at_bound: bool,
 }
 
 /// ∂f/∂q and ∂f/∂v of the generalized forces at one stage, nv×nv.
@@ -44,11 +48,11 @@ impl ImplicitIntegrator {
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
-        h: f64,
+        (h, columns): (f64, &Columns),
         (q0, v0): (&[f64], &[f64]),
         placement: &mut Placement,
     ) -> Result<SmoothChange, StepError> {
-        let (nv, width, g) = (model.nv, 3 * model.nv, GAMMA * h);
+        let (nv, width, g) = (model.nv, columns.width(), GAMMA * h);
         let zeros = || vec![0.0; nv * width];
         let half: Vec<f64> = v0.iter().map(|v| 0.5 * h * v).collect();
         let mut middle = vec![0.0; model.nq];
@@ -80,6 +84,11 @@ impl ImplicitIntegrator {
         multiply_changes(&[(&by_position, &middle_change)], width, &mut right);
         add_block(&mut right, nv, 1, &by_velocity);
         add_identity(&mut right, nv, 2, 1.0);
+        let (by_control, mut is_at_bound) = self.forces_by_controls(model, columns, (&middle, v0));
+        let by_inertial = regressor(model, workspace, columns, [&middle, v0, &first]);
+        columns.add(&mut right, columns.first_control(), 1.0, &by_control);
+        columns.add(&mut right, columns.first_inertial(), -1.0, &by_inertial);
+        columns.add(&mut applied_change, columns.first_control(), 1.0, &by_control);
         let mut first_change = zeros();
         multiply_changes(&[(&inverse, &right)], width, &mut first_change);
 
@@ -118,6 +127,12 @@ impl ImplicitIntegrator {
         ];
         multiply_changes(&pairs, width, &mut right);
         add_identity(&mut right, nv, 2, 1.0);
+        let (by_control, is_second_at_bound) = self.forces_by_controls(model, columns, (&middle, &v_1));
+        is_at_bound |= is_second_at_bound;
+        let by_inertial = regressor(model, workspace, columns, [&middle, &v_1, &sum]);
+        columns.add(&mut right, columns.first_control(), 1.0, &by_control);
+        columns.add(&mut right, columns.first_inertial(), -1.0, &by_inertial);
+        columns.add(&mut applied_change, columns.first_control(), 1.0, &by_control);
         let mut second_change = zeros();
         multiply_changes(&[(&inverse, &right)], width, &mut second_change);
         let own: [(&[f64], &[f64]); 2] = [(&stage.own[0], &middle_change), (&stage.own[1], &v_1_change)];
@@ -133,7 +148,7 @@ impl ImplicitIntegrator {
             v_change[i] = 0.5 * h * (3.0 * first_change[i] + second_change[i]);
         }
         add_identity(&mut v_change, nv, 1, 1.0);
-        Ok(SmoothChange { middle, theta, theta_change, v_change, middle_change, applied_change })
+        Ok(SmoothChange { middle, theta, theta_change, v_change, middle_change, applied_change, is_at_bound })
     }
 
     /// The derivatives of the forces at the middle, at velocity v and acceleration `a`.
@@ -209,7 +224,8 @@ fn add_actuation(
 
 /// Adds a matrix to a block.
 fn add_block(change: &mut [f64], nv: usize, block: usize, matrix: &[f64]) {
-    for (row, own) in change.chunks_exact_mut(3 * nv).zip(matrix.chunks_exact(nv)) {
+    let width = change.len() / nv.max(1);
+    for (row, own) in change.chunks_exact_mut(width.max(1)).zip(matrix.chunks_exact(nv.max(1))) {
         row[block * nv..(block + 1) * nv].iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
     }
 }

@@ -9,8 +9,8 @@
 //! ```
 
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_core::Model;
 use robot_dynamics_core::model::WORLD;
+use robot_dynamics_core::{Model, PARAMETERS_PER_LINK};
 
 use super::super::joints::Joints;
 use super::{FreeTranslations, Root, axis_of};
@@ -20,7 +20,17 @@ use crate::placement::Placement;
 #[derive(Debug)]
 pub(in super::super) struct TargetChanges {
     width: usize,
+    /// The first column of the inertial parameters, if there are any.
+    inertial: Option<usize>,
     rows: Vec<f64>,
+}
+
+/// The derivatives of the momentum of a body with its subtree by the mass and the first moment of a link.
+struct LinkMomentum {
+    /// The link's place among the moving links.
+    link: usize,
+    by_mass: Vector3<f64>,
+    by_moment: [Vector3<f64>; 3],
 }
 
 /// ∂P/∂q and ∂P/∂v of the momentum of a body with its subtree, one column per coordinate.
@@ -33,10 +43,10 @@ impl FreeTranslations {
     /// The change of the momenta at the start by (δq, δv, …), the first two blocks of `width` columns.
     pub(in super::super) fn start_changes(
         &self,
-        model: &Model,
-        placement: &Placement,
+        (model, placement): (&Model, &Placement),
+        h: f64,
         v: &[f64],
-        width: usize,
+        (width, inertial): (usize, Option<usize>),
     ) -> TargetChanges {
         let nv = model.nv;
         let mut rows = vec![0.0; self.roots.len() * 3 * width];
@@ -48,8 +58,19 @@ impl FreeTranslations {
                     rows[i * width + nv + k] = by.by_velocity[k][i];
                 }
             }
+            let Some(first) = inertial else { continue };
+            let weight = Vector3::from(model.gravity()) * h;
+            root.for_each_link(model, placement, v, |LinkMomentum { link, by_mass, by_moment }| {
+                let first = first + PARAMETERS_PER_LINK * link;
+                for i in 0..3 {
+                    rows[i * width + first] += by_mass[i] + weight[i];
+                    for (k, by_moment) in by_moment.iter().enumerate() {
+                        rows[i * width + first + 1 + k] += by_moment[i];
+                    }
+                }
+            });
         }
-        TargetChanges { width, rows }
+        TargetChanges { width, inertial, rows }
     }
 
     /// Adds the change of `factor` times generalized impulses at the configuration q.
@@ -115,6 +136,16 @@ impl FreeTranslations {
                         axis.dot(&change) / root.mass + turn.cross(&axis).dot(&missing);
                 }
             }
+            let Some(first) = targets.inertial else { continue };
+            root.for_each_link(model, placement, v_before, |LinkMomentum { link, by_mass, by_moment }| {
+                let first = first + PARAMETERS_PER_LINK * link;
+                for (k, coordinate) in coordinates.clone().enumerate() {
+                    let axis = axis_of(&axes, root.count, k);
+                    let to = &mut v_change[coordinate * width + first..][..4];
+                    to[0] -= axis.dot(&(by_mass + missing)) / root.mass;
+                    to[1..].iter_mut().zip(&by_moment).for_each(|(to, by)| *to -= axis.dot(by) / root.mass);
+                }
+            });
         }
     }
 }
@@ -127,6 +158,38 @@ impl Root {
         }
         let angular = |k: usize| q_change[(self.first + 3 + k) * width + column];
         axes.column(0) * angular(0) + axes.column(1) * angular(1) + axes.column(2) * angular(2)
+    }
+
+    /// Calls `visit` with each link of the subtree.
+    fn for_each_link(
+        &self,
+        model: &Model,
+        placement: &Placement,
+        v: &[f64],
+        mut visit: impl FnMut(LinkMomentum),
+    ) {
+        let bodies = &model.bodies;
+        let mut velocities = Vec::with_capacity(bodies.len());
+        placement.velocities(model, v, &mut velocities);
+        let (mut is_own, mut link) = (vec![false; bodies.len()], 0);
+        for (i, body) in bodies.iter().enumerate() {
+            is_own[i] = i == self.body || (body.parent != WORLD && is_own[body.parent]);
+            // For joints of several degrees of freedom in series, the last body has the link.
+            if bodies.get(i + 1).is_some_and(|next| next.link == body.link) {
+                continue;
+            }
+            if is_own[i] {
+                let [by_mass, spin] = velocities[i];
+                let (rotation, _) = placement.body(i);
+                let turn = body.body_from_link.rotation;
+                let by_moment = core::array::from_fn(|k| {
+                    let axis = Vector3::from_fn(|row, _| turn[row][k]);
+                    spin.cross(&(rotation * axis))
+                });
+                visit(LinkMomentum { link, by_mass, by_moment });
+            }
+            link += 1;
+        }
     }
 
     fn momentum_derivatives(&self, model: &Model, placement: &Placement, v: &[f64]) -> MomentumDerivatives {
