@@ -6,15 +6,12 @@ use std::sync::Arc;
 
 use robot_dynamics::algorithms::frame_pose;
 use robot_dynamics::constraints::{ConstraintSet, FrameConstraint, RowFeedback};
-use robot_dynamics::contact::Ground;
 use robot_dynamics::control::optimal::{
     Activation, ActuationMatrix, CenterOfMassResidual, ContactForceResidual, ControlResidual, Cost,
-    FrameTranslationResidual, HeldContactStep, ImpactStep, LeastSquares, Problem, SimulationStep,
-    StateResidual, StateSpace,
+    FrameTranslationResidual, HeldContactStep, ImpactStep, LeastSquares, Problem, StateResidual, StateSpace,
 };
 use robot_dynamics::description::Pose;
 use robot_dynamics::model::{Model, Workspace, neutral};
-use robot_dynamics::simulation::{Method, SimulationBuilder};
 use robot_dynamics::{LoadOptions, load_with};
 
 const ROBOTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/");
@@ -225,27 +222,6 @@ pub fn humanoid() -> Result<Problem, Box<dyn Error>> {
     running.add(ControlResidual::new(&vec![0.0; held_controls(&robot)])?, 1e-3 * h)?;
     robot.track(&mut terminal, hand, target, 1e4)?;
     robot.state_cost(&mut terminal, 1.0, [0.0, 10.0, 0.3, 3.0, 1.0])?;
-    problem.set_running_cost(0..40, running)?;
-    problem.set_terminal_cost(terminal)?;
-    Ok(problem)
-}
-
-/// The quadruped pushes its trunk forwards and up, on contacts that the simulator finds: 40 nodes of 10 ms.
-pub fn simulated() -> Result<Problem, Box<dyn Error>> {
-    let mut robot = Standing::new("quadruped.urdf", &[0.0, 0.7, -1.4], &TROT, 0.01)?;
-    // The balls of the feet touch the ground.
-    robot.x0[2] += 0.02;
-    let simulation = SimulationBuilder::new(&robot.model).method(Method::Implicit).ground(Ground::level(0.0));
-    let step = SimulationStep::new(&simulation.dt(robot.step).build()?);
-    let step = step.with_actuation(ActuationMatrix::actuated(&robot.model))?;
-    let mut problem = Problem::new(step, &robot.x0, 40)?;
-    let (mut running, mut terminal) = (Cost::new(), Cost::new());
-    robot.x0[0] += 0.05;
-    robot.x0[2] += 0.03;
-    let weights = [30.0, 30.0, 0.3, 1.0, 0.3];
-    robot.state_cost(&mut running, robot.step, weights)?;
-    running.add(ControlResidual::new(&[0.0; 12])?, 1e-3 * robot.step)?;
-    robot.state_cost(&mut terminal, 1.0, weights)?;
     problem.set_running_cost(0..40, running)?;
     problem.set_terminal_cost(terminal)?;
     Ok(problem)

@@ -1,9 +1,8 @@
 //! Iterations of optimal control: the reach of the Panda of `bench/peers/crocoddyl_reach.py`, with and
-//! without torque limits, the trot and the reach with held contacts of `bench/peers/crocoddyl_contacts.py`,
-//! and a quadruped whose contacts the simulator finds. Prints cost, iterations and the median time in
-//! milliseconds.
+//! without torque limits, and the trot and the reach with held contacts of
+//! `bench/peers/crocoddyl_contacts.py`. Prints cost, iterations and the median time in milliseconds.
 //!
-//! `cargo run --release -p bench --bin measure_optimal -- [reach|trot|humanoid|simulated]…`
+//! `cargo run --release -p bench --bin measure_optimal -- [reach|trot|humanoid]…`
 
 mod contacts;
 
@@ -110,9 +109,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if is_chosen("humanoid") {
             measure_from_rest("humanoid", contacts::humanoid()?, threads)?;
-        }
-        if is_chosen("simulated") {
-            measure_from_rest("simulated contacts", contacts::simulated()?, threads)?;
         }
     }
     Ok(())
