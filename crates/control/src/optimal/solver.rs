@@ -46,8 +46,8 @@ const COST_ROUNDING: f64 = 10.0 * f64::EPSILON;
 
 /// The solver of one [`Problem`]: FDDP, box-FDDP if controls have bounds, iLQR from a rollout.
 ///
-/// The memory is allocated once; an iteration in one thread allocates nothing. The trajectory of the last
-/// solution is the start of the next.
+/// The memory is allocated once; an iteration in one thread allocates nothing beyond what the dynamics
+/// allocate, as held contacts do. The trajectory of the last solution is the start of the next.
 ///
 /// ```
 /// use robot_dynamics::control::optimal::{ControlResidual, Cost, Fddp, FddpOptions, Problem};
