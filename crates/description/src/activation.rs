@@ -17,6 +17,11 @@ pub enum Activation {
         /// T \[s\].
         time_constant: f64,
     },
+    /// u follows the control at no more than this rate: |u̇| ≤ rate.
+    RateLimit {
+        /// The largest rate, in units of the control by s.
+        rate: f64,
+    },
     /// The activation of a muscle, u̇ = (c − u)/T(c − u, u) with the control c limited to [0, 1]. Rising, T is
     /// rise·(½ + 3/2 u). Falling, it is fall/(½ + 3/2 u), with u limited to [0, 1] in both **(Millard et al.
     /// 2013)**.
@@ -42,6 +47,8 @@ impl Activation {
             Self::None => 0.0,
             Self::Integrator => control,
             Self::Filter { time_constant } => (control - u) / time_constant,
+            Self::RateLimit { .. } if control == u => 0.0,
+            Self::RateLimit { rate } => rate.copysign(control - u),
             Self::Muscle { rise, fall, width } => {
                 MuscleActivation { rise, fall, width }.rate(control.clamp(0.0, 1.0), u)
             }
@@ -61,6 +68,8 @@ impl Activation {
             Self::None => control,
             Self::Integrator => u + h * control,
             Self::Filter { time_constant } => u + (control - u) * -(-h / time_constant).exp_m1(),
+            Self::RateLimit { rate } if (control - u).abs() <= rate * h => control,
+            Self::RateLimit { rate } => u + (rate * h).copysign(control - u),
             Self::Muscle { rise, fall, width } => MuscleActivation { rise, fall, width }.after(h, control, u),
         }
     }

@@ -5,7 +5,7 @@ use core::fmt;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Activation, Muscle};
+use crate::{Activation, ElectricMotor, IntegralAction, Muscle};
 
 /// An actuator with the bounded force f = gain(ℓ, ℓ̇)·u + bias(ℓ, ℓ̇) on a joint, a tendon or a frame. u is
 /// the control, or its filtered value.
@@ -30,6 +30,16 @@ pub struct ActuatorDescription {
     /// The torque by the poles of an electric motor, which the bounds of f do not limit.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub cogging: Option<Cogging>,
+    /// The integral term of a controller, whose u is the setpoint of ℓ.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub integral: Option<IntegralAction>,
+    /// The motor of which the sum of f and its integral term is the requested torque.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub motor: Option<ElectricMotor>,
+    /// Whether f stands for a voltage R/K·f at the terminals of its motor or of the motor that it adds to. The
+    /// bound on the voltage of the motor's controller does not limit it.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "core::ops::Not::not"))]
+    pub at_terminals: bool,
     /// The name of an earlier actuator on the same transmission to whose f the f of this one is added. The
     /// bounds of that actuator limit the sum, and f of this one is 0 then. This is a further input of a
     /// controller, such as its velocity setpoint.
@@ -71,6 +81,9 @@ impl ActuatorDescription {
             bias: Affine::default(),
             muscle: None,
             cogging: None,
+            integral: None,
+            motor: None,
+            at_terminals: false,
             adds_to: None,
             activation: Activation::None,
             activation_range: unbounded(),
@@ -92,7 +105,7 @@ impl ActuatorDescription {
     }
 
     /// f for the control or activation u at this length and velocity, within its bounds. u itself is not
-    /// clamped.
+    /// clamped. States of a controller and of a motor are at 0, and the motor has no effect.
     ///
     /// ```
     /// use robot_dynamics::description::{ActuatorDescription, Transmission};
@@ -139,6 +152,9 @@ impl fmt::Debug for ActuatorDescription {
             bias,
             muscle,
             cogging,
+            integral,
+            motor,
+            at_terminals,
             adds_to,
             activation,
             activation_range,
@@ -152,6 +168,15 @@ impl fmt::Debug for ActuatorDescription {
         }
         if let Some(cogging) = cogging {
             text.field("cogging", cogging);
+        }
+        if let Some(integral) = integral {
+            text.field("integral", integral);
+        }
+        if let Some(motor) = motor {
+            text.field("motor", motor);
+        }
+        if *at_terminals {
+            text.field("at_terminals", at_terminals);
         }
         if let Some(leader) = adds_to {
             text.field("adds_to", leader);

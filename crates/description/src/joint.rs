@@ -272,7 +272,7 @@ impl Mimic {
 
 /// A number, or the strings `inf` and `-inf`, which JSON cannot represent as numbers.
 #[cfg(feature = "serde")]
-mod number_or_infinity {
+pub(super) mod number_or_infinity {
     use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
     #[derive(Serialize, Deserialize)]
@@ -283,7 +283,7 @@ mod number_or_infinity {
     }
 
     #[allow(clippy::trivially_copy_pass_by_ref)]
-    pub(super) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         if x.is_finite() {
             Value::Number(*x).serialize(serializer)
         } else {
@@ -291,7 +291,7 @@ mod number_or_infinity {
         }
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         match Value::deserialize(deserializer)? {
             Value::Number(x) => Ok(x),
             Value::Word(word) if word == "inf" => Ok(f64::INFINITY),

@@ -10,6 +10,7 @@ mod actuator;
 mod contact_pair;
 mod couplings;
 mod edit;
+mod electric_motor;
 mod equality;
 mod error;
 mod finding_group;
@@ -18,6 +19,7 @@ mod fluid;
 mod frame;
 mod group;
 mod inertia;
+mod integral_action;
 mod joint;
 mod joint_kind;
 mod length;
@@ -48,6 +50,7 @@ pub use activation::Activation;
 pub use actuator::{ActuatorDescription, Affine, Cogging, Transmission};
 pub use contact_pair::ContactPairDescription;
 pub use edit::{EditNote, moved_by};
+pub use electric_motor::{BristleFriction, CurrentDynamics, ElectricMotor, WindingTemperature};
 pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;
@@ -59,6 +62,7 @@ pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
     six_digits,
 };
+pub use integral_action::IntegralAction;
 pub use joint::{JointDescription, Limits, Mimic, PassiveForces};
 pub use joint_kind::{Coordinate, CoordinateKind, JointKind, z_onto};
 pub use length::check_length;

@@ -73,17 +73,18 @@ pub use writer::{Format, write};
 /// reader.
 pub mod description {
     pub use robot_dynamics_description::{
-        Activation, ActuatorDescription, Affine, Base, Cogging, ContactPairDescription, Coordinate,
-        CoordinateKind, Disposition, EARTH_GRAVITY, EditNote, Elevation, EndEffectorDescription, Equality,
-        EqualityDescription, FLOATING_BASE, Finding, FindingGroup, FluidEllipsoid, FluidForm, FluidShape,
-        FrameDescription, GroupDescription, InertiaError, JointDescription, JointKind, JointKinds,
-        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
-        Medium, Mimic, ModelError, Mount, Muscle, NamedPose, Object, PassiveForces,
-        PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions,
-        RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject,
-        Severity, Shape, ShapeRole, SolverImpedance, SpatialTendonDescription, Surface, SurfaceVelocity,
-        TendonDescription, TendonPathElement, TendonSolverImpedance, TendonSurface, Transmission,
-        UnsupportedFeature, WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        Activation, ActuatorDescription, Affine, Base, BristleFriction, Cogging, ContactPairDescription,
+        Coordinate, CoordinateKind, CurrentDynamics, Disposition, EARTH_GRAVITY, EditNote, ElectricMotor,
+        Elevation, EndEffectorDescription, Equality, EqualityDescription, FLOATING_BASE, Finding,
+        FindingGroup, FluidEllipsoid, FluidForm, FluidShape, FrameDescription, GroupDescription,
+        InertiaError, IntegralAction, JointDescription, JointKind, JointKinds, JointSolverImpedance, Limits,
+        LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties, Medium, Mimic, ModelError, Mount,
+        Muscle, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose, PoseSpring,
+        PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia,
+        Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole, SolverImpedance,
+        SpatialTendonDescription, Surface, SurfaceVelocity, TendonDescription, TendonPathElement,
+        TendonSolverImpedance, TendonSurface, Transmission, UnsupportedFeature, WindingTemperature,
+        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
     };
 }
 

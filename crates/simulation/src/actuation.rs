@@ -6,13 +6,16 @@
 //! steps.
 
 mod carried_weight;
+mod controller_memory;
 mod coupling;
 mod dof_gear;
+mod gains;
 mod law;
 mod measurements;
 mod pose_spring;
 mod power;
 mod spatial_tendon;
+mod states;
 mod tendon;
 mod tendon_law;
 mod transmission;
@@ -22,11 +25,13 @@ pub use workspace::ActuationWorkspace;
 
 use crate::FluidForces;
 use carried_weight::CarriedWeight;
+use controller_memory::ControllerMemory;
 use pose_spring::PoseSpring;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_description::{ActuatorDescription, ModelError};
 use spatial_tendon::SpatialTendons;
+use states::StatePlaces;
 use tendon::Tendon;
 use tendon_law::TendonLaw;
 use transmission::Drive;
@@ -61,6 +66,10 @@ pub struct Actuation {
     actuators: Vec<(ActuatorDescription, Drive)>,
     /// The actuator to whose force the force of each is added.
     leaders: Vec<Option<usize>>,
+    /// The places of the states of each actuator.
+    places: Vec<StatePlaces>,
+    /// Whether some actuator has an integral term or a motor.
+    has_controllers: bool,
     weight: Option<CarriedWeight>,
     /// The forces of the fluid, unless they are empty.
     fluid: Option<FluidForces>,
@@ -112,6 +121,9 @@ impl Actuation {
             springs,
             actuators,
             leaders,
+            places: states::places(description.actuators.iter()),
+            has_controllers: (description.actuators.iter())
+                .any(|own| own.integral.is_some() || own.motor.is_some()),
             weight: CarriedWeight::new(model)?,
             fluid: Some(FluidForces::new(model)).filter(|fluid| !fluid.is_empty()),
             bounded,
@@ -133,7 +145,8 @@ impl Actuation {
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn without_actuators(self) -> Self {
-        Self { actuators: Vec::new(), leaders: Vec::new(), bounded: Vec::new(), ..self }
+        let (actuators, leaders, places) = Default::default();
+        Self { actuators, leaders, places, has_controllers: false, bounded: Vec::new(), ..self }
     }
 
     /// Removes the dry friction of tendons, for laws that treat it as a constraint, such as
@@ -260,7 +273,9 @@ impl Actuation {
     pub fn workspace(&self) -> ActuationWorkspace {
         let carried = self.weight.as_ref().map(|weight| &weight.model);
         let (spatial, count) = (self.spatial.as_ref(), self.tendon_count());
-        ActuationWorkspace::new(self.nv, self.actuators.len(), count, spatial, carried)
+        let controlled = if self.has_controllers { self.actuators.len() } else { 0 };
+        let controllers = ControllerMemory::new(controlled, self.state_count());
+        ActuationWorkspace::new((self.nv, self.actuators.len(), count), spatial, controllers, carried)
     }
 
     /// The number of tendons over joints and along paths.

@@ -20,6 +20,7 @@ mod error;
 mod inputs;
 mod link_pairs;
 mod measurements;
+mod memory;
 mod method;
 mod own_stepper;
 mod results;

@@ -3,7 +3,8 @@
 use super::checks::{check, check_range, index_names, unknown};
 use super::names::Names;
 use crate::{
-    Activation, ActuatorDescription, Cogging, JointKind, ModelError, Muscle, RobotDescription, Transmission,
+    Activation, ActuatorDescription, BristleFriction, Cogging, CurrentDynamics, ElectricMotor, JointKind,
+    ModelError, Muscle, RobotDescription, Transmission,
 };
 
 const NOT_A_LEADER: &str =
@@ -28,6 +29,13 @@ pub(super) fn check_actuators(description: &RobotDescription, names: &Names<'_>)
             }
         }
         check_activation(&owner, &actuator.activation)?;
+        if let Some(integral) = actuator.integral {
+            check(integral.gain.is_finite(), &owner, "integral gain", integral.gain, "finite")?;
+            check(integral.limit > 0.0, &owner, "limit of the integral", integral.limit, "positive")?;
+        }
+        if let Some(motor) = &actuator.motor {
+            check_motor(&owner, motor)?;
+        }
         if let Some(muscle) = &actuator.muscle {
             check_muscle(&owner, muscle)?;
         }
@@ -101,6 +109,7 @@ fn check_activation(owner: &str, activation: &Activation) -> Result<(), ModelErr
         Activation::Filter { time_constant } => {
             check(time_constant > 0.0, owner, "time constant", time_constant, "positive")
         }
+        Activation::RateLimit { rate } => check(rate > 0.0, owner, "limit of the rate", rate, "positive"),
         Activation::Muscle { rise, fall, width } => {
             for time_constant in [rise, fall] {
                 let is_valid = time_constant > 0.0 && time_constant.is_finite();
@@ -109,6 +118,34 @@ fn check_activation(owner: &str, activation: &Activation) -> Result<(), ModelErr
             check(width >= 0.0, owner, "width of the change of its time constants", width, "zero or positive")
         }
     }
+}
+
+fn check_motor(owner: &str, motor: &ElectricMotor) -> Result<(), ModelError> {
+    let positive = |quantity, value: f64| {
+        check(value > 0.0 && value.is_finite(), owner, quantity, value, "positive and finite")
+    };
+    positive("resistance", motor.resistance)?;
+    positive("motor constant", motor.constant)?;
+    check(motor.voltage_limit > 0.0, owner, "voltage limit", motor.voltage_limit, "positive")?;
+    if let Some(CurrentDynamics { time_constant, rate_limit }) = motor.current {
+        positive("time constant of the current", time_constant)?;
+        check(rate_limit > 0.0, owner, "limit of the rate of the current", rate_limit, "positive")?;
+    }
+    if let Some(winding) = motor.winding {
+        positive("thermal resistance", winding.resistance)?;
+        positive("thermal capacity", winding.capacity)?;
+        for number in [winding.coefficient, winding.reference, winding.ambient] {
+            check(number.is_finite(), owner, "temperature or its coefficient", number, "finite")?;
+        }
+    }
+    if let Some(friction) = motor.friction {
+        positive("stiffness of bristles", friction.stiffness)?;
+        let BristleFriction { damping, coulomb, static_friction, stribeck_velocity, .. } = friction;
+        for number in [damping, coulomb, static_friction, stribeck_velocity] {
+            check(number >= 0.0, owner, "friction by bristles", number, "zero or positive")?;
+        }
+    }
+    Ok(())
 }
 
 fn check_muscle(owner: &str, muscle: &Muscle) -> Result<(), ModelError> {

@@ -1,19 +1,20 @@
 //! The forces at a state, and the activations.
 
-use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::{FrameId, Model, gravity};
 use robot_dynamics_description::{Activation, ActuatorDescription, Affine, check_length};
 
-use super::pose_spring::PoseSpring;
+use super::Actuation;
+use super::controller_memory::ControllerInputs;
 use super::tendon::Tendon;
 use super::tendon_law::TendonLaw;
 use super::transmission::Drive;
 use super::workspace::ActuationWorkspace;
-use super::{Actuation, Coupling};
 
 impl Actuation {
     /// Returns τ of tendons, actuators, carried weight and fluid together, nv entries \[N·m or N\]. `u` holds
     /// each actuator's control, or its activation if it has one. Controls are limited to their ranges here.
+    /// Then it holds the states of controllers and motors ([`activation_count`](Self::activation_count)),
+    /// which are 0 if they are not given.
     ///
     /// # Panics
     /// If a slice has the wrong length, or the model belongs to another robot.
@@ -84,7 +85,7 @@ impl Actuation {
         tau: &mut [f64],
     ) {
         self.check(model, q, v, tau);
-        check_length("the controls", u.len(), self.actuators.len());
+        self.check_controls(u);
         self.evaluate(model, workspace, u, q, v);
         self.carry(workspace, q);
         tau.fill(0.0);
@@ -165,52 +166,10 @@ impl Actuation {
         Some(fluid.compute(model, memory, q, v))
     }
 
-    /// Adds the stiffness and damping of servos and tendons to those of the coordinates. Terms over several
-    /// coordinates are added to the couplings. Negative values are left out.
-    pub(crate) fn add_gains(
-        &self,
-        stiffness: &mut [f64],
-        damping: &mut [f64],
-        couplings: &mut Vec<Coupling>,
-    ) {
-        for (coordinate, k) in self.springs.iter().flat_map(PoseSpring::gains) {
-            stiffness[coordinate] += k.max(0.0);
-        }
-        let mut add = |length: &JointSum, (k, d): (f64, f64)| {
-            let (k, d) = (k.max(0.0), d.max(0.0));
-            match length.row().as_slice() {
-                [] => {}
-                &[(coordinate, factor)] => {
-                    stiffness[coordinate] += factor * factor * k;
-                    damping[coordinate] += factor * factor * d;
-                }
-                _ if k == 0.0 && d == 0.0 => {}
-                row => couplings.push(Coupling { row: row.to_vec(), stiffness: k, damping: d }),
-            }
-        };
-        for tendon in &self.tendons {
-            add(&tendon.length, tendon.law.gains());
-        }
-        for (actuator, drive) in &self.actuators {
-            let (k, d) = (-actuator.bias.length, -actuator.bias.velocity);
-            match drive {
-                Drive::Joint { length } => add(length, (k, d)),
-                Drive::Tendon { index, gear } => {
-                    add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
-                }
-                Drive::Dofs(_)
-                | Drive::SpatialTendon { .. }
-                | Drive::Frame { .. }
-                | Drive::BetweenFrames(_)
-                | Drive::Contacts { .. }
-                | Drive::Nothing => {}
-            }
-        }
-    }
-
     /// Advances the activations by h \[s\] with constant controls, exactly
     /// ([`Activation::after`](robot_dynamics_description::Activation::after)). They stop at the bounds of
-    /// their ranges. Without activation dynamics, an activation equals its control.
+    /// their ranges. Without activation dynamics, an activation equals its control. States of controllers and
+    /// motors depend on the motion and do not change here.
     ///
     /// ```
     /// use robot_dynamics::description::{Activation, ActuatorDescription, Transmission, pendulum};
@@ -232,9 +191,15 @@ impl Actuation {
     #[track_caller]
     pub fn activate(&self, controls: &[f64], h: f64, activations: &mut [f64]) {
         check_length("the controls", controls.len(), self.actuators.len());
-        check_length("the activations", activations.len(), self.actuators.len());
-        for (k, (actuator, _)) in self.actuators.iter().enumerate() {
+        if activations.len() != self.actuators.len() {
+            check_length("the activations", activations.len(), self.activation_count());
+        }
+        for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
             let control = within(controls[k], actuator.control_range);
+            let control = match actuator.activation {
+                Activation::RateLimit { .. } => nearest_setpoint(actuator, drive, control, activations[k]),
+                _ => control,
+            };
             let after = actuator.activation.after(h, control, activations[k]);
             activations[k] = match actuator.activation {
                 Activation::None => after,
@@ -282,7 +247,14 @@ impl Actuation {
 
     /// Computes each actuator's f into `workspace.forces`. As in MuJoCo, the bound on the sum of f over a
     /// tendon's actuators scales them first; then each is limited to its own range.
-    fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
+    pub(crate) fn evaluate(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+    ) {
         self.place_tendons(workspace, q);
         workspace.on_tendons.fill(0.0);
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
@@ -292,16 +264,22 @@ impl Actuation {
                 Activation::None => within(u[k], actuator.control_range),
                 _ => u[k],
             };
-            let u = drive.period().filter(|_| has_setpoint(actuator)).map_or(u, |period| {
-                // The setpoint that is nearest to ℓ among those of the same rotation, as in MuJoCo.
-                u - period * ((u - length) / period).round()
-            });
+            let u = nearest_setpoint(actuator, drive, u, length);
             workspace.forces[k] = actuator.unbounded_force(u, length, rate);
             workspace.cogging[k] = actuator.cogging.map_or(0.0, |cogging| cogging.torque(length));
-            if let Some(leader) = self.leaders[k] {
+            let leader = self.leaders[k].unwrap_or(k);
+            if self.has_controllers {
+                let input = ControllerInputs { velocity: rate, error: u - length, ..Default::default() };
+                workspace.controllers.inputs[k] = input;
+            }
+            if actuator.at_terminals && self.actuators[leader].0.motor.is_some() {
+                let voltage = core::mem::take(&mut workspace.forces[k]);
+                workspace.controllers.inputs[leader].terminals += voltage;
+            } else if leader != k {
                 workspace.forces[leader] += core::mem::take(&mut workspace.forces[k]);
             }
         }
+        self.apply_controllers(workspace, self.states_of(u));
         for (k, (_, drive)) in self.actuators.iter().enumerate() {
             if let Some(tendon) = self.driven_tendon(drive) {
                 workspace.on_tendons[tendon] += workspace.forces[k];
@@ -363,11 +341,21 @@ impl Actuation {
     }
 }
 
+/// The setpoint that is nearest to a length among those of the same rotation, as in MuJoCo; u if it is no
+/// setpoint.
+fn nearest_setpoint(actuator: &ActuatorDescription, drive: &Drive, u: f64, length: f64) -> f64 {
+    let period = drive.period().filter(|_| has_setpoint(actuator));
+    period.map_or(u, |period| u - period * ((u - length) / period).round())
+}
+
 /// Whether u is a setpoint of ℓ: f = k (u − ℓ) and terms without u.
 fn has_setpoint(actuator: &ActuatorDescription) -> bool {
-    let ActuatorDescription { gain, bias, muscle, activation, .. } = actuator;
-    let is_position = matches!(activation, Activation::None | Activation::Integrator);
-    is_position && muscle.is_none() && *gain == Affine::constant(-bias.length)
+    let ActuatorDescription { gain, bias, muscle, motor, activation, .. } = actuator;
+    let is_position = match activation {
+        Activation::None | Activation::Integrator | Activation::RateLimit { .. } => true,
+        Activation::Filter { .. } | Activation::Muscle { .. } => false,
+    };
+    is_position && muscle.is_none() && motor.is_none() && *gain == Affine::constant(-bias.length)
 }
 
 /// The nearest number in a range.

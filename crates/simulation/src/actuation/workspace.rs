@@ -2,6 +2,7 @@
 
 use robot_dynamics_core::{Model, Workspace};
 
+use super::controller_memory::ControllerMemory;
 use super::spatial_tendon::SpatialTendons;
 use super::transmission::TransmissionMemory;
 use crate::FluidWorkspace;
@@ -17,6 +18,7 @@ pub struct ActuationWorkspace {
     pub(super) forces: Vec<f64>,
     pub(super) cogging: Vec<f64>,
     pub(super) on_tendons: Vec<f64>,
+    pub(super) controllers: ControllerMemory,
     /// Allocated if there is a fluid.
     pub(super) fluid: Option<FluidWorkspace>,
 }
@@ -25,10 +27,9 @@ impl ActuationWorkspace {
     /// For this many degrees of freedom, actuators and tendons; `carried` is the robot with the carried
     /// masses.
     pub(super) fn new(
-        nv: usize,
-        actuators: usize,
-        tendons: usize,
+        (nv, actuators, tendons): (usize, usize, usize),
         spatial: Option<&SpatialTendons>,
+        controllers: ControllerMemory,
         carried: Option<&Model>,
     ) -> Self {
         Self {
@@ -38,6 +39,7 @@ impl ActuationWorkspace {
             forces: vec![0.0; actuators],
             cogging: vec![0.0; actuators],
             on_tendons: vec![0.0; tendons],
+            controllers,
             fluid: None,
         }
     }
@@ -45,6 +47,11 @@ impl ActuationWorkspace {
     /// The forces of a fluid in the last call, if there is one.
     pub(crate) fn last_fluid_forces(&self) -> Option<&[f64]> {
         self.fluid.as_ref().map(FluidWorkspace::last_forces)
+    }
+
+    /// The rates of the states of controllers and motors at the last evaluation of actuators.
+    pub(crate) fn state_rates(&self) -> &[f64] {
+        &self.controllers.rates
     }
 
     /// Each actuator's force in the last call.

@@ -50,7 +50,7 @@ impl StepActuation {
     /// Panics if the number of controls differs from the number of actuators.
     #[track_caller]
     pub(crate) fn new(nv: usize, actuation: &Actuation, controls: &[f64]) -> Self {
-        check_length("the controls", controls.len(), actuation.control_count());
+        actuation.check_controls(controls);
         let zeros = || vec![0.0; nv];
         Self {
             actuation: actuation.clone(),

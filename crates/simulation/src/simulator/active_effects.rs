@@ -32,6 +32,8 @@ pub(super) struct Kinds {
     losses: bool,
     link_contacts: bool,
     stiffest: Option<(String, f64)>,
+    /// The rate of the fastest current of a motor \[1/s\], if the steps do not resolve it.
+    current: Option<f64>,
 }
 
 impl Kinds {
@@ -72,6 +74,7 @@ impl Kinds {
                 || paths.iter().any(|tendon| tendon.passive.damping != 0.0),
             link_contacts,
             stiffest: stiffest(model, actuation, dissipates, builder.dt),
+            current: actuation.map(Actuation::fastest_current).filter(|rate| rate * builder.dt > STIFF),
         }
     }
 
@@ -83,6 +86,9 @@ impl Kinds {
             found.into_iter().filter(|(acts, _)| *acts).map(|(_, cause)| cause.to_owned()).collect();
         if let Some((coordinate, rate)) = &self.stiffest {
             causes.push(format!("stiff forces at `{coordinate}` ({rate:.0}/s)"));
+        }
+        if let Some(rate) = self.current {
+            causes.push(format!("the current of a motor ({rate:.0}/s)"));
         }
         let has_forces = self.actuators || self.springs || self.fluid;
         if self.equalities && (has_forces || self.dissipates && has_damping(model)) {

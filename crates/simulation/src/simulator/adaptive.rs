@@ -88,6 +88,9 @@ impl Simulation {
             self.inputs.torques.copy_from_slice(&self.memory.tau);
         }
         if let Some(actuation) = &self.actuation {
+            if let StepperKind::Adaptive(stepper) = &self.stepper.kind {
+                self.activations[actuation.control_count()..].copy_from_slice(stepper.controller_states());
+            }
             actuation.activate(&self.inputs.controls, self.run.time - start, &mut self.activations);
         }
         if self.run.time != fixed.time(self.run.steps) {

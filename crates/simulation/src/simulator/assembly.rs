@@ -158,7 +158,7 @@ impl SimulationBuilder<'_> {
         actuation: Option<&Actuation>,
     ) -> Result<SimulationStepper, SimulationError> {
         let model = &*self.model;
-        let at_zero = |actuation: &Actuation| vec![0.0; actuation.control_count()];
+        let at_zero = |actuation: &Actuation| vec![0.0; actuation.activation_count()];
         let kind = match method {
             Method::Fixed(row) => match (constraints, actuation) {
                 (Some(constraints), _) => {

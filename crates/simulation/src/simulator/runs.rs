@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use robot_dynamics_core::Model;
 
-use super::stepping::SimulationMemory;
+use super::memory::SimulationMemory;
 use super::{Observer, RunOptions, Simulation};
 use crate::motion::simulate::{EventDetector, StepInterpolation};
 use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};

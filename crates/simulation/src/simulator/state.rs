@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use robot_dynamics_core::Model;
+use robot_dynamics_description::check_length;
 use robot_dynamics_number::InvalidInput;
 
 use super::method::SimulationStepper;
@@ -70,10 +71,38 @@ impl Simulation {
         yields.then(|| self.stepper.clone())
     }
 
-    /// The activations of the actuators: equal to the controls, except for actuators with a filter or an
-    /// integrator.
+    /// The activations of the actuators: equal to the controls, except for actuators with a filter, an
+    /// integrator or another dynamics. Then the states of controllers and motors follow:
+    /// [`Actuation::activation_count`].
     pub fn activations(&self) -> &[f64] {
         &self.activations
+    }
+
+    /// Sets the activations and the states of controllers and motors. Activations without dynamics become the
+    /// controls at the next step.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ActuatorDescription, IntegralAction, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::SimulationBuilder;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(50.0, 9.0);
+    /// servo.integral = Some(IntegralAction { gain: 100.0, limit: f64::INFINITY });
+    /// robot.actuators.push(servo);
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).build()?;
+    /// // The integral carries the weight of 2 kg, so the level rod does not sink.
+    /// simulation.set_activations(&[0.0, -2.0 * 9.81 * 0.5 / 100.0]);
+    /// simulation.run_for(1.0)?;
+    /// assert!(simulation.q()[0].abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the number of activations is wrong.
+    #[track_caller]
+    pub fn set_activations(&mut self, activations: &[f64]) {
+        check_length("the activations", activations.len(), self.activations.len());
+        self.activations.copy_from_slice(activations);
     }
 
     /// The held wrenches.

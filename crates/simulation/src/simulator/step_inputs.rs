@@ -3,7 +3,7 @@
 use robot_dynamics_number::check_number;
 
 use super::Simulation;
-use super::stepping::SimulationMemory;
+use super::memory::SimulationMemory;
 use crate::RunError;
 use crate::motion::simulate::{RunLoop, check_input_torque};
 
@@ -36,6 +36,11 @@ impl Simulation {
             actuation.activate(&inputs.controls, 0.0, &mut self.activations);
             memory.middle.copy_from_slice(&self.activations);
             actuation.activate(&inputs.controls, half, &mut memory.middle);
+            let SimulationMemory { states, middle, .. } = memory;
+            if let Some(states) = states {
+                let activations = (&self.activations[..], &mut middle[..]);
+                states.begin((model, actuation), (&run.q, &run.v), half, activations);
+            }
             self.stepper.set_controls(&inputs.controls, &self.activations, &memory.middle);
         }
         Ok(())
@@ -53,11 +58,16 @@ impl Simulation {
 
     /// Counts the clipped torques, and advances the activations by the step's length \[s\].
     pub(super) fn end_step(&mut self, length: f64) {
-        let Self { limited, inputs, memory, activations, .. } = self;
+        let Self { model, limited, inputs, memory, activations, stepper, run, .. } = self;
         for (k, count) in limited.iter_mut().enumerate() {
             *count += usize::from(memory.tau[k] != inputs.torques[k]);
         }
         if let Some(actuation) = &self.actuation {
+            let SimulationMemory { states, middle, .. } = memory;
+            if let Some(states) = states {
+                let activations = (&mut activations[..], &middle[..]);
+                states.end((model, actuation), (stepper, length), (&run.q, &run.v), activations);
+            }
             actuation.activate(&inputs.controls, length, activations);
         }
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use robot_dynamics_core::Model;
 use robot_dynamics_number::InvalidInput;
 
+use super::memory::{ControllerSteps, SimulationMemory};
 use super::method::SimulationStepper;
 use super::{AppliedWrench, Effect, Method};
 use crate::motion::simulate::RunLoop;
@@ -71,31 +72,6 @@ pub(super) struct Inputs {
     pub(super) wrenches: Vec<AppliedWrench>,
 }
 
-#[derive(Clone, Debug)]
-pub(super) struct SimulationMemory {
-    pub(super) q: Vec<f64>,
-    pub(super) v: Vec<f64>,
-    /// The mean acceleration of the last step.
-    pub(super) acceleration: Vec<f64>,
-    /// The velocity at the start of a step.
-    pub(super) before: Vec<f64>,
-    /// The torques after effort limits, with the wrenches added.
-    pub(super) tau: Vec<f64>,
-    pub(super) applied: Vec<f64>,
-    pub(super) middle: Vec<f64>,
-    pub(super) jacobian: Vec<f64>,
-}
-
-impl SimulationMemory {
-    /// Records the mean acceleration of a step of length h.
-    pub(super) fn record_acceleration(&mut self, h: f64) {
-        let Self { acceleration, before, v, .. } = self;
-        for (k, acceleration) in acceleration.iter_mut().enumerate() {
-            *acceleration = (v[k] - before[k]) / h;
-        }
-    }
-}
-
 /// The parts from which a builder creates a simulation.
 pub(super) struct Parts {
     pub(super) model: Arc<Model>,
@@ -131,6 +107,7 @@ impl Simulation {
         let zeros = || vec![0.0; nv];
         let mut workspace = StepWorkspace::new(&model);
         let controls = vec![0.0; actuation.as_ref().map_or(0, Actuation::control_count)];
+        let activations = vec![0.0; actuation.as_ref().map_or(0, Actuation::activation_count)];
         let run_loop =
             RunLoop { model: &model, step, dissipation: dissipates, sample_every: 0, base: (0, 0.0) };
         let mut opened = stepper.clone();
@@ -144,12 +121,13 @@ impl Simulation {
                 before: zeros(),
                 tau: zeros(),
                 applied: zeros(),
-                middle: controls.clone(),
+                middle: activations.clone(),
+                states: actuation.as_ref().and_then(|actuation| ControllerSteps::new(actuation, nq, nv)),
                 jacobian: vec![0.0; 6 * nv],
             },
             fresh: stepper.clone(),
-            inputs: Inputs { torques: zeros(), controls: controls.clone(), wrenches: Vec::new() },
-            activations: controls,
+            inputs: Inputs { torques: zeros(), controls, wrenches: Vec::new() },
+            activations,
             limited: vec![0; nv],
             base: (0, 0.0),
             is_checked: false,
@@ -240,7 +218,8 @@ impl Simulation {
         let mut stepper = self.fresh.clone();
         let controls = &self.inputs.controls;
         if let Some(actuation) = &self.actuation {
-            let (mut start, mut middle) = (vec![0.0; controls.len()], vec![0.0; controls.len()]);
+            let mut start = vec![0.0; actuation.activation_count()];
+            let mut middle = start.clone();
             actuation.activate(controls, 0.0, &mut start);
             actuation.activate(controls, 0.5 * self.step, &mut middle);
             stepper.set_controls(controls, &start, &middle);

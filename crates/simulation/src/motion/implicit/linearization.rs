@@ -85,6 +85,9 @@ impl ImplicitIntegrator {
         if drive.is_some_and(crate::Actuation::has_yielding_springs) {
             return Some("springs that yield");
         }
+        if drive.is_some_and(crate::Actuation::has_controllers) {
+            return Some("states of controllers and motors");
+        }
         if self.contacts.as_ref().is_some_and(crate::contact::ContactImpulses::has_moving_surfaces) {
             return Some("moving surfaces");
         }

@@ -9,7 +9,7 @@ use super::energy_account::end_energies;
 use super::gains::{add_actuation_gains, add_passive_gains};
 use super::{StepError, Stepper};
 use crate::motion::integrate::explicit::{StageSystem, advance};
-use crate::motion::integrate::stage_memory::StageMemory;
+use crate::motion::integrate::stage_memory::{StageMemory, most_stages};
 use crate::motion::integrate::{accelerate, check_step};
 use crate::motion::step_actuation::ActuatorLoad;
 use crate::{Actuation, ActuationWorkspace, StateTransition, StepForces, StepWorkspace};
@@ -20,17 +20,55 @@ clone_in_place! {
     struct HeldControls {
         controls: Vec<f64>,
         activations: Vec<f64>,
+        /// The rates of the states of controllers and motors at all stages of the last step, at its start
+        /// first.
+        state_rates: Vec<f64>,
+        /// These states at the end of the last step.
+        state_end: Vec<f64>,
+        /// The length of the last step \[s\].
+        length: f64,
     }
 }
 
 impl HeldControls {
-    /// The activations at `time` \[s\] after the step's start, written to `memory`.
-    fn after<'m>(&self, actuation: &Actuation, time: f64, memory: &'m mut [f64]) -> &'m [f64] {
+    /// The activations at `time` \[s\] after the step's start, written to `memory`. States of controllers are
+    /// those at the start.
+    fn after<'m>(&self, actuation: &Actuation, time: f64, memory: &'m mut [f64]) -> &'m mut [f64] {
         memory.copy_from_slice(&self.activations);
         if time > 0.0 {
             actuation.activate(&self.controls, time, memory);
         }
         memory
+    }
+
+    /// The states at the start of the step.
+    fn state_start(&self) -> &[f64] {
+        &self.activations[self.controls.len()..]
+    }
+
+    /// Writes the states at `time` \[s\] within the last step: the parabola through both ends with the rate
+    /// at the start.
+    fn states_after(&self, time: f64, states: &mut [f64]) {
+        let (h, part) = (self.length, time / self.length);
+        for (k, (start, end)) in self.state_start().iter().zip(&self.state_end).enumerate() {
+            let rate = h * self.state_rates[k];
+            states[k] = if part == 1.0 { *end } else { start + part * (rate + part * (end - start - rate)) };
+        }
+    }
+
+    /// Sets the states at the end of a step from the rates at its stages.
+    fn finish(&mut self, actuation: &Actuation, stages: &[Stage], h: f64) {
+        let count = self.state_end.len();
+        self.length = h;
+        for k in 0..count {
+            let rate: f64 = stages
+                .iter()
+                .enumerate()
+                .map(|(j, stage)| stage.v_weight * self.state_rates[j * count + k])
+                .sum();
+            self.state_end[k] = self.activations[self.controls.len() + k] + h * rate;
+        }
+        actuation.bound_states(&mut self.state_end);
     }
 }
 
@@ -51,11 +89,17 @@ clone_in_place! {
 
 impl ActuatedStepper {
     pub fn new(actuation: Actuation, nv: usize, integrator: Integrator) -> Self {
-        let zeros = || vec![0.0; actuation.control_count()];
+        let (activations, states) = (vec![0.0; actuation.activation_count()], actuation.state_count());
         Self {
             memory: actuation.workspace(),
-            held: HeldControls { controls: zeros(), activations: zeros() },
-            activations: zeros(),
+            held: HeldControls {
+                controls: vec![0.0; actuation.control_count()],
+                activations: activations.clone(),
+                state_rates: vec![0.0; most_stages() * states],
+                state_end: vec![0.0; states],
+                length: 0.0,
+            },
+            activations,
             of_step: ActuatorLoad::new(&actuation, nv),
             actuation,
             integrator,
@@ -71,6 +115,11 @@ impl ActuatedStepper {
     pub(crate) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
         self.held.controls.copy_from_slice(controls);
         self.held.activations.copy_from_slice(activations);
+    }
+
+    /// Writes the states of controllers and motors at `length` \[s\] within the last step.
+    pub(crate) fn copy_states(&self, length: f64, states: &mut [f64]) {
+        self.held.states_after(length, states);
     }
 }
 
@@ -98,18 +147,17 @@ impl Stepper for ActuatedStepper {
             model,
             workspace: dynamics,
             actuation: (&self.actuation, &mut self.memory),
-            held: &self.held,
+            held: &mut self.held,
             activations: &mut self.activations,
-            times: stages
-                .iter()
-                .enumerate()
-                .filter(|(at, _)| Stage::needs_acceleration(stages, *at))
-                .map(|(_, stage)| h * stage.v_row.iter().sum::<f64>()),
+            stages: (stages, h),
+            evaluated: (0..stages.len()).filter(|&at| Stage::needs_acceleration(stages, at)),
             driven,
             dissipation: forces.dissipation,
             force,
         };
-        Ok(advance(model, stages, &mut motion, h, &mut memory, (q, v))?)
+        advance(model, stages, &mut motion, h, &mut memory, (q, v))?;
+        self.held.finish(&self.actuation, stages, h);
+        Ok(())
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
@@ -159,6 +207,9 @@ impl Stepper for ActuatedStepper {
         for (weight, time, (q, v)) in ends {
             let weight = weight / 6.0;
             let u = held.after(&self.actuation, time, &mut self.activations);
+            if time > 0.0 {
+                held.states_after(time, &mut u[held.controls.len()..]);
+            }
             self.actuation.actuator_torques(model, memory, u, q, v, force);
             add_scaled(mean_forces, weight, memory.actuator_forces());
             add_scaled(mean_torques, weight, force);
@@ -182,15 +233,17 @@ fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
 }
 
 /// A tree under forces that depend on its state.
-struct ActuatedTree<'a, T> {
+struct ActuatedTree<'a, I> {
     model: &'a Model,
     workspace: &'a mut Workspace,
     actuation: (&'a Actuation, &'a mut ActuationWorkspace),
-    held: &'a HeldControls,
+    held: &'a mut HeldControls,
     /// Scratch for the activations of a stage.
     activations: &'a mut [f64],
-    /// The time of each acceleration stage after the step's start \[s\].
-    times: T,
+    /// The stages and the step \[s\].
+    stages: (&'static [Stage], f64),
+    /// The numbers of the stages with an acceleration.
+    evaluated: I,
     /// Scratch for the driving forces, and for these minus b(v).
     driven: &'a mut [f64],
     force: &'a mut [f64],
@@ -198,17 +251,26 @@ struct ActuatedTree<'a, T> {
     dissipation: bool,
 }
 
-impl<T: Iterator<Item = f64>> StageSystem<f64> for ActuatedTree<'_, T> {
+impl<I: Iterator<Item = usize>> StageSystem<f64> for ActuatedTree<'_, I> {
     type Error = IntegratorError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
         integrate(self.model, q, displacement, moved);
     }
 
+    /// States of controllers follow the rows of the velocity.
     fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), IntegratorError> {
-        let (actuation, memory) = &mut self.actuation;
-        let u = self.held.after(actuation, self.times.next().unwrap_or(0.0), self.activations);
+        let Self { actuation: (actuation, memory), held, stages: (stages, h), .. } = self;
+        let stage = self.evaluated.next().unwrap_or(0);
+        let row = stages[stage].v_row;
+        let u = held.after(actuation, *h * row.iter().sum::<f64>(), self.activations);
+        let count = held.state_end.len();
+        for (k, state) in u[held.controls.len()..].iter_mut().enumerate() {
+            *state +=
+                *h * row.iter().enumerate().map(|(j, a)| a * held.state_rates[j * count + k]).sum::<f64>();
+        }
         actuation.forces(self.model, memory, u, q, v, self.driven);
+        held.state_rates[stage * count..][..count].copy_from_slice(memory.state_rates());
         let forces = StepForces::new(self.driven, self.dissipation);
         accelerate(self.model, self.workspace, &forces, self.force, (q, v), acceleration)
     }

@@ -84,6 +84,11 @@ impl AdaptiveStepper {
         self.driven.is_some()
     }
 
+    /// The states of controllers and motors at the last sample.
+    pub(crate) fn controller_states(&self) -> &[f64] {
+        self.driven.as_ref().map_or(&[], HeldActuation::states)
+    }
+
     /// The state-dependent forces; the held activations are those at the time `start` \[s\].
     pub(crate) fn driven_from(&mut self, start: f64) -> Option<HeldActuation> {
         let driven = self.driven.as_mut()?;
@@ -141,7 +146,7 @@ impl Stepper for AdaptiveStepper {
         self.choose(model, &mut workspace.dynamics, (q, v), forces.dissipation);
         let applied = ExternalInputs { driven: self.driven_from(0.0), ..ExternalInputs::held(forces.tau) };
         let motion = AdaptiveSystem::new(model, forces.dissipation, self.energy, applied);
-        let y = [&*q, &*v, &[0.0, 0.0]].concat();
+        let y = [&*q, &*v, self.controller_states(), &[0.0, 0.0]].concat();
         let mut steps =
             StepSequence::start(self.record.method, &self.options, self.wanted, &motion, (0.0, h), &y)
                 .map_err(MotionFailure::of_step)?;
@@ -162,6 +167,9 @@ impl Stepper for AdaptiveStepper {
         motion.split(y, &mut end_q, &mut end_v);
         q.copy_from_slice(&end_q);
         v.copy_from_slice(&end_v);
+        if let Some(driven) = &mut self.driven {
+            driven.set_states(y);
+        }
         self.last = [y[y.len() - 2], y[y.len() - 1]].map(|account| self.energy * account);
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The motion as one first-order equation: ẏ = (N(q) v, a, τ·v, b·v).
+//! The motion as one first-order equation: ẏ = (N(q) v, a, ẋ, τ·v, b·v).
 
 use std::cell::RefCell;
 
@@ -11,8 +11,8 @@ use robot_dynamics_number::InvalidInput;
 use super::super::{Controller, ControllerError, RunError, StepError, check_input_torque};
 use crate::{Actuation, ActuationWorkspace};
 
-/// The state is y = (q, v, W, D): configuration, velocity, work of τ, and dissipated energy; the last two are
-/// in units of [`energy`](Self::energy).
+/// The state is y = (q, v, x, W, D): configuration, velocity, states of controllers and motors, work of τ,
+/// and dissipated energy. The last two are in units of [`energy`](Self::energy).
 ///
 /// Quaternions in y are four numbers. The equation preserves their length exactly, the steps to their
 /// tolerance. All forces are computed at the unit quaternion, so an error of the length has no effect on the
@@ -55,6 +55,8 @@ pub struct HeldActuation {
     pub(super) start: f64,
     /// The activations at an evaluation.
     now: Vec<f64>,
+    /// The states of controllers and motors at an evaluation.
+    states: Vec<f64>,
     /// The generalized forces of all effects, and of the actuators alone.
     force: Vec<f64>,
     pub(super) torques: Vec<f64>,
@@ -62,13 +64,14 @@ pub struct HeldActuation {
 
 impl HeldActuation {
     pub(super) fn new(actuation: Actuation, nv: usize) -> Self {
-        let zeros = || vec![0.0; actuation.control_count()];
+        let zeros = || vec![0.0; actuation.activation_count()];
         Self {
             memory: actuation.workspace(),
-            controls: zeros(),
+            controls: vec![0.0; actuation.control_count()],
             activations: zeros(),
             start: 0.0,
             now: zeros(),
+            states: vec![0.0; actuation.state_count()],
             force: vec![0.0; nv],
             torques: vec![0.0; nv],
             actuation,
@@ -79,6 +82,24 @@ impl HeldActuation {
     pub(super) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
         self.controls.copy_from_slice(controls);
         self.activations.copy_from_slice(activations);
+        self.states.copy_from_slice(&activations[self.controls.len()..]);
+    }
+
+    /// The states of controllers and motors.
+    pub(super) fn states(&self) -> &[f64] {
+        &self.states
+    }
+
+    /// Sets the states of controllers and motors from y, which has the energy account as its last two
+    /// entries.
+    pub(super) fn set_states(&mut self, y: &[f64]) {
+        let (end, count) = (y.len() - 2, self.states.len());
+        self.states.copy_from_slice(&y[end - count..end]);
+    }
+
+    /// The rates of these states at the last evaluation.
+    fn state_rates(&self) -> &[f64] {
+        self.memory.state_rates()
     }
 
     /// Adds all forces at t to τ; returns the power that is supplied and the power that is dissipated \[W\].
@@ -96,8 +117,9 @@ impl HeldActuation {
 
     /// Evaluates the actuators' forces at t.
     pub(super) fn actuate(&mut self, model: &Model, (t, q, v): (f64, &[f64], &[f64])) {
-        let Self { actuation, memory, controls, activations, start, now, torques, .. } = self;
+        let Self { actuation, memory, controls, activations, start, now, states, torques, .. } = self;
         now.copy_from_slice(activations);
+        now[controls.len()..].copy_from_slice(states);
         if t > *start {
             actuation.activate(controls, t - *start, now);
         }
@@ -304,10 +326,13 @@ impl ODE<f64, Vec<f64>> for AdaptiveSystem<'_, '_> {
         }
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (q_rate, rest) = rate.split_at_mut(nq);
-        let (acceleration, account) = rest.split_at_mut(nv);
+        let (acceleration, rest) = rest.split_at_mut(nv);
+        let (state_rates, account) = rest.split_at_mut(rest.len() - 2);
         account.copy_from_slice(&[dot(total, v) / self.energy, 0.0]);
         if let Some(driven) = &mut applied.driven {
+            driven.set_states(y);
             let (power, losses) = driven.add_to(model, (t, q, v), total);
+            state_rates.copy_from_slice(driven.state_rates());
             account[0] += power / self.energy;
             account[1] = losses / self.energy;
         }

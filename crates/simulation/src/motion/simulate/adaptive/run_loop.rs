@@ -57,7 +57,8 @@ impl AdaptiveRun<'_, '_> {
             let held = held.insert(HeldControl { controller, period, next: 0, start, tau });
             held.update(&motion, model, self.run.steps, (&self.run.q, &self.run.v))?;
         }
-        let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
+        let y: Vec<f64> =
+            [&self.run.q[..], &self.run.v, self.stepper.controller_states(), &[0.0, 0.0]].concat();
         let account = [self.run.energy_account.work(), self.run.energy_account.dissipated()];
         let mut samples = Samples { first: self.run.steps, seen: 0, account, is_started: false };
         let flow = self.sample(&motion, &mut samples, (0, start), &y, instants == 0)?;
@@ -242,6 +243,9 @@ impl AdaptiveRun<'_, '_> {
         let failed = |failure: MotionFailure| failure.at(model, time, step);
         motion.torque(time, &q, &v, tau).map_err(failed)?;
         let (kinetic, potential) = energies(model, self.workspace, &q, &v);
+        if let Some(driven) = &mut self.stepper.driven {
+            driven.set_states(y);
+        }
         let potential = potential + self.stepper.drive(model, (time, &q, &v));
         let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|account| motion.energy * account);
         if !(kinetic + potential - work + dissipated).is_finite() {
