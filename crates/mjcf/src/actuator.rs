@@ -30,8 +30,8 @@ use crate::tree::Id;
 pub(crate) struct Actuators {
     /// The file's element of each control.
     pub(crate) nodes: Vec<Id>,
-    /// The indices in the file of the controls that are in the robot.
-    pub(crate) read: Vec<usize>,
+    /// The index in the file of each control of the robot. A motor without an input has none in the file.
+    pub(crate) read: Vec<Option<usize>>,
     /// Servos with a damping ratio: index in the robot, and the ratio of the critical damping.
     pub(crate) damping_ratios: Vec<(usize, f64)>,
     /// Actuators whose gain is the damping of one with a damping ratio: that one's index and their own.
@@ -43,8 +43,11 @@ pub(crate) struct Actuators {
 impl Actuators {
     /// Adds the actuators of a controller with the controls from `control`, from this index of the robot.
     fn add(&mut self, control: usize, first: usize, law: &Law) {
+        if law.gains.is_empty() {
+            self.read.push(None);
+        }
         for (k, (input, _)) in law.gains.iter().enumerate() {
-            self.read.push(control + k);
+            self.read.push(Some(control + k));
             if law.damping_ratio.is_some() && *input == Input::Velocity {
                 self.velocity_inputs.push((first, first + k));
             }
@@ -105,7 +108,9 @@ impl Reader<'_> {
                 let target = self.target_limits(&element, table, robot, &tendons);
                 self.ranges(&element, &settings, target, &mut actuator);
                 actuators.add(control, robot.actuators.len(), &law);
+                let first = robot.actuators.len();
                 robot.actuators.extend(self.controller(&element, &settings, &law, &actuator));
+                self.disable_group(&element, disabled, &mut robot.actuators[first..]);
                 self.report_read(&element, "force of controls, length and velocity");
                 continue;
             }
@@ -136,7 +141,8 @@ impl Reader<'_> {
                 actuator.bias.velocity = 0.0;
             }
             self.report_read(&element, "force of control, length and velocity");
-            actuators.read.push(control);
+            actuators.read.push(Some(control));
+            self.disable_group(&element, disabled, core::slice::from_mut(&mut actuator));
             robot.actuators.push(actuator);
         }
         actuators

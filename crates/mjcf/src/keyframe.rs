@@ -51,7 +51,11 @@ impl Reader<'_> {
             };
             let mut pose = self.named_pose(&element, name, table, &lists);
             if lists.has_controls {
-                pose.controls = actuators.read.iter().map(|&index| lists.controls[index]).collect();
+                pose.controls = actuators
+                    .read
+                    .iter()
+                    .map(|index| index.map_or(0.0, |index| lists.controls[index]))
+                    .collect();
             }
             self.report_read(&element, "a keyframe");
             robot.poses.push(pose);

@@ -1,8 +1,8 @@
-//! Reads `armature` and `damping` of an actuator.
+//! Reads `armature`, `damping` and `group` of an actuator.
 
 use std::collections::HashMap;
 
-use robot_dynamics_description::{RobotDescription, Transmission};
+use robot_dynamics_description::{ActuatorDescription, RobotDescription, Transmission};
 
 use crate::element::Element;
 use crate::option::DisabledForces;
@@ -65,5 +65,19 @@ impl Reader<'_> {
         passive.armature += armature * gear * gear;
         passive.damping += linear;
         higher.damping.iter_mut().zip(beyond).for_each(|(own, added)| *own += added);
+    }
+
+    /// Removes the forces of actuators in a disabled group. Their controls stay.
+    pub(crate) fn disable_group(
+        &mut self,
+        element: &Element,
+        disabled: DisabledForces,
+        actuators: &mut [ActuatorDescription],
+    ) {
+        let group = self.number(element, "group").unwrap_or(0.0);
+        for actuator in actuators.iter_mut().filter(|_| disabled.has_actuator_group(group)) {
+            (actuator.gain, actuator.bias) = Default::default();
+            (actuator.muscle, actuator.cogging, actuator.integral, actuator.motor) = (None, None, None, None);
+        }
     }
 }

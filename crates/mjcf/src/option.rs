@@ -17,9 +17,16 @@ pub(crate) struct DisabledForces {
     contacts: bool,
     equalities: bool,
     limits: bool,
+    /// Bits of the groups whose actuators exert no force.
+    actuator_groups: u32,
 }
 
 impl DisabledForces {
+    /// Whether actuators of this group exert no force.
+    pub(crate) fn has_actuator_group(self, group: f64) -> bool {
+        (0..31).any(|k| group == f64::from(k) && self.actuator_groups & (1 << k) != 0)
+    }
+
     /// Removes the constraints that are disabled: equalities, limits of joints and tendons, and contacts.
     /// Shapes then have no bits of contact. Without springs and dampers MuJoCo has no gravity compensation
     /// either.
@@ -81,6 +88,16 @@ impl Reader<'_> {
             if let Some(wind) = self.numbers::<3>(&element, "wind") {
                 robot.medium.wind = wind;
                 self.report_read(&element, format!("velocity of the fluid {wind:?} m/s"));
+            }
+            if let Some(text) = self.text(&element, "actuatorgroupdisable") {
+                let text = text.to_owned();
+                for word in text.split_whitespace() {
+                    match word.parse::<u32>() {
+                        Ok(group) if group < 31 => disabled.actuator_groups |= 1 << group,
+                        _ => self.refuse(&element, "actuatorgroupdisable: groups are integers from 0 to 30"),
+                    }
+                }
+                self.report_read(&element, format!("actuators of the groups {text} are disabled"));
             }
             if let Some(integrator) = self.text(&element, "integrator") {
                 let message =

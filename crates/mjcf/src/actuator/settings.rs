@@ -157,6 +157,9 @@ impl Reader<'_> {
             settings.bias[2] = ratio;
         }
         settings.gain[0] = self.number(one, "ki").unwrap_or(settings.gain[0]);
+        if let Some(limit) = self.number(one, "imax") {
+            settings.dynamics_numbers[0] = limit;
+        }
         let slew = self.magnitude(one, "slewmax").unwrap_or(settings.dynamics_numbers[1]);
         settings.dynamics_numbers[1] = slew;
         settings.inherit_range = self.number(one, "inheritrange").unwrap_or(settings.inherit_range);
@@ -164,8 +167,10 @@ impl Reader<'_> {
         settings.kinds("pid", "affine", if has_state { "pid" } else { "none" });
     }
 
-    /// The numbers of `<dcmotor>`, in the order of MuJoCo: the gain has R, K, two temperatures, and the gains
-    /// and the voltage of the controller.
+    /// The numbers of `<dcmotor>`, in the order of MuJoCo. The gain has R, K, α, the reference temperature, and
+    /// the gains and the voltage of the controller. The dynamics have the time constant and the rate of the
+    /// current, the thermal resistance, capacity and ambient temperature, σ₀, σ₁, and the rate and the integral
+    /// of the controller. The bias has the cogging and the three other numbers of the friction.
     fn set_motor(&mut self, one: &Element, settings: &mut Settings) {
         let Settings { gain, bias, dynamics_numbers: dynamics, .. } = settings;
         let [torque_constant, back_emf] = self.overlay(one, "motorconst", [gain[1], 0.0]);
@@ -193,10 +198,19 @@ impl Reader<'_> {
         bias[..3].copy_from_slice(&cogging);
         let [inductance, time] = self.overlay(one, "inductance", [0.0, dynamics[0]]);
         dynamics[0] = if inductance > 0.0 { inductance / resistance } else { time };
-        let thermal = self.overlay(one, "thermal", [dynamics[2], 0.0, 0.0, 0.0, 0.0, 0.0]);
-        dynamics[2] = thermal[..3].iter().copied().fold(0.0, f64::max);
-        let [bristles, ..] = self.overlay(one, "lugre", [dynamics[5], 0.0, 0.0, 0.0, 0.0]);
-        dynamics[5] = bristles;
+        let thermal = [dynamics[2], dynamics[3], 0.0, gain[2], gain[3], dynamics[4]];
+        let [mut warm, mut capacity, time, coefficient, reference, ambient] =
+            self.overlay(one, "thermal", thermal);
+        if time > 0.0 && warm > 0.0 && capacity == 0.0 {
+            capacity = time / warm;
+        } else if time > 0.0 && capacity > 0.0 && warm == 0.0 {
+            warm = time / capacity;
+        }
+        [dynamics[2], dynamics[3], gain[2], gain[3], dynamics[4]] =
+            [warm, capacity, coefficient, reference, ambient];
+        let lugre = self.overlay(one, "lugre", [dynamics[5], dynamics[6], bias[3], bias[4], bias[5]]);
+        [dynamics[5], dynamics[6], bias[3], bias[4], bias[5]] = lugre;
+        dynamics[1] = self.overlay(one, "saturation", [0.0, 0.0, dynamics[1]])[2];
         if let Some([torque, current, _]) =
             self.text(one, "saturation").is_some().then(|| self.overlay(one, "saturation", [0.0; 3]))
         {

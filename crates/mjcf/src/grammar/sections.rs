@@ -146,7 +146,17 @@ pub(super) const RULES: &[Rule] = &[
     read(
         TOP,
         "option",
-        &["gravity", "timestep", "integrator", "magnetic", "impratio", "density", "viscosity", "wind"],
+        &[
+            "actuatorgroupdisable",
+            "gravity",
+            "timestep",
+            "integrator",
+            "magnetic",
+            "impratio",
+            "density",
+            "viscosity",
+            "wind",
+        ],
     )
     .ignored(&[
         "tolerance",
@@ -170,8 +180,7 @@ pub(super) const RULES: &[Rule] = &[
         "apirate",
         "mpr_iterations",
         "mpr_tolerance",
-    ])
-    .physics(&[("actuatorgroupdisable", "")]),
+    ]),
     read(&["option"], "flag", FLAGS)
         .ignored(&[
             "warmstart",

@@ -95,7 +95,7 @@ impl MjcfWriter<'_> {
         self.write_range(place, "ctrlrange", actuator.control_range);
         self.write_range(place, "forcerange", actuator.force_range);
         match actuator.activation {
-            Activation::None => {}
+            Activation::None | Activation::RateLimit { .. } => {}
             Activation::Integrator => {
                 self.xml.attribute("dyntype", "integrator");
             }

@@ -1,6 +1,7 @@
-//! The attributes of `<pid>` and `<dcmotor>` for actuators with several inputs, or with cogging.
+//! The attributes of `<pid>` and `<dcmotor>` for actuators with several inputs, states, a motor or
+//! cogging.
 
-use robot_dynamics_description::{Activation, ActuatorDescription, Affine};
+use robot_dynamics_description::{Activation, ActuatorDescription, Affine, ElectricMotor, IntegralAction};
 
 type Range = [f64; 2];
 
@@ -24,22 +25,33 @@ impl Controller {
         others: impl Iterator<Item = &'a ActuatorDescription>,
     ) -> Result<Option<Self>, &'static str> {
         let others: Vec<&ActuatorDescription> = others.collect();
-        if others.is_empty() && first.cogging.is_none() {
+        let has_rate_limit = matches!(first.activation, Activation::RateLimit { .. });
+        let is_alone = others.is_empty() && first.cogging.is_none() && first.motor.is_none();
+        if is_alone && first.integral.is_none() && !has_rate_limit {
             return Ok(None);
         }
         let is_plain = |own: &ActuatorDescription| {
             own.muscle.is_none()
-                && own.activation == Activation::None
+                && (own.activation == Activation::None || has_rate_limit && own.adds_to.is_none())
                 && own.gain == Affine::constant(own.gain.constant)
         };
         let is_input = |own: &&ActuatorDescription| {
-            own.bias == Affine::default() && own.cogging.is_none() && own.force_range == UNBOUNDED
+            own.bias == Affine::default()
+                && own.cogging.is_none()
+                && own.integral.is_none()
+                && own.motor.is_none()
+                && own.at_terminals == (first.motor.is_some() && own.name.ends_with("_voltage"))
+                && own.force_range == UNBOUNDED
         };
         let all = core::iter::once(first).chain(others.iter().copied());
         if first.bias.constant != 0.0 || !all.clone().all(is_plain) || !others.iter().all(is_input) {
             return Err(NO_FORM);
         }
         let mut inputs = vec![first_input(first).ok_or(NO_FORM)?];
+        let needs_position = first.integral.is_some() || has_rate_limit;
+        if needs_position && inputs != ["pos"] {
+            return Err(NO_FORM);
+        }
         for other in &others {
             let word = other.name.strip_prefix(&first.name).and_then(|end| end.strip_prefix('_'));
             let word = ["vel", "ff", "voltage"].into_iter().find(|known| Some(*known) == word);
@@ -52,12 +64,15 @@ impl Controller {
             "pos" => own.gain.constant == -bias.length,
             "vel" => own.gain.constant == -bias.velocity,
             "ff" => own.gain.constant == 1.0,
+            "none" => others.is_empty(),
             _ => own.gain.constant > 0.0,
         };
         if !is_ordered || !parts.iter().all(fits) {
             return Err(NO_FORM);
         }
-        let is_motor = first.cogging.is_some() || parts.iter().any(|(word, _)| *word == "voltage");
+        let is_motor = first.cogging.is_some()
+            || first.motor.is_some()
+            || parts.iter().any(|(word, _)| *word == "voltage");
         if is_motor { Self::motor(first, &parts).map(Some) } else { Self::pid(first, &parts).map(Some) }
     }
 
@@ -76,7 +91,14 @@ impl Controller {
         };
         let mut ranges: Vec<_> = parts.iter().map(|(word, own)| (range(word), own.control_range)).collect();
         ranges.push(("forcerange", first.force_range));
-        let numbers = vec![("kp", vec![0.0 - length]), ("kv", vec![0.0 - velocity])];
+        let mut numbers = vec![("kp", vec![0.0 - length]), ("kv", vec![0.0 - velocity])];
+        if let Some(IntegralAction { gain, limit }) = first.integral {
+            numbers.push(("ki", vec![gain]));
+            numbers.push(("imax", vec![or_zero(limit)]));
+        }
+        if let Activation::RateLimit { rate } = first.activation {
+            numbers.push(("slewmax", vec![rate]));
+        }
         Ok(Self { element: "pid", inputs: words(parts), ranges, numbers })
     }
 
@@ -87,12 +109,15 @@ impl Controller {
     ) -> Result<Self, &'static str> {
         let Affine { length, velocity, .. } = first.bias;
         let of_voltage = parts.iter().find(|(word, _)| *word == "voltage").map(|(_, own)| own.gain.constant);
-        let is_controlled = parts.iter().any(|(word, _)| *word != "voltage");
+        let is_controlled = parts.iter().any(|(word, _)| !["voltage", "none"].contains(word));
         let [lower, upper] = first.force_range;
         if lower != -upper || parts.iter().any(|(_, own)| own.control_range != first.control_range) {
             return Err("a <dcmotor> has one range of its inputs, and a force with opposite bounds");
         }
         let (constant, resistance) = match of_voltage {
+            _ if first.motor.is_some() => {
+                first.motor.map_or((1.0, 1.0), |motor| (motor.constant, motor.resistance))
+            }
             Some(gain) if !is_controlled && velocity < 0.0 && length == 0.0 => {
                 (-velocity / gain, -velocity / gain / gain)
             }
@@ -100,25 +125,61 @@ impl Controller {
             None => (1.0, 1.0),
             Some(_) => return Err(NO_FORM),
         };
+        if of_voltage.is_some_and(|gain| (gain * resistance - constant).abs() > 1e-12 * constant) {
+            return Err(NO_FORM);
+        }
         let mut numbers = vec![("motorconst", vec![constant]), ("resistance", vec![resistance])];
         if is_controlled {
-            numbers.push(("controller", vec![0.0 - length, 0.0, 0.0 - velocity]));
+            let IntegralAction { gain, limit } =
+                first.integral.unwrap_or(IntegralAction { gain: 0.0, limit: f64::INFINITY });
+            let rate = if let Activation::RateLimit { rate } = first.activation { rate } else { 0.0 };
+            let voltage = first.motor.map_or(0.0, |motor| or_zero(motor.voltage_limit));
+            let gains = vec![0.0 - length, gain, 0.0 - velocity, rate, or_zero(limit), voltage];
+            numbers.push(("controller", gains));
         }
-        if upper.is_finite() {
-            numbers.push(("saturation", vec![upper]));
+        let rate = first.motor.and_then(|motor| motor.current).map_or(0.0, |own| or_zero(own.rate_limit));
+        if upper.is_finite() || rate > 0.0 {
+            numbers.push(("saturation", vec![or_zero(upper), 0.0, rate]));
         }
+        numbers.extend(first.motor.iter().flat_map(numbers_of));
         if let Some(cogging) = first.cogging {
             numbers.push(("cogging", vec![cogging.amplitude, cogging.poles, cogging.phase]));
         }
-        let ranges = vec![("ctrlrange", first.control_range)];
+        let has_input = parts.iter().any(|(word, _)| *word != "none");
+        let ranges = Vec::from_iter(has_input.then_some(("ctrlrange", first.control_range)));
         Ok(Self { element: "dcmotor", inputs: words(parts), ranges, numbers })
     }
+}
+
+/// The numbers of a motor with a current, a temperature and friction.
+fn numbers_of(motor: &ElectricMotor) -> Vec<(&'static str, Vec<f64>)> {
+    let mut numbers = Vec::new();
+    if let Some(current) = &motor.current {
+        numbers.push(("inductance", vec![0.0, current.time_constant]));
+    }
+    if let Some(own) = &motor.winding {
+        let all = vec![own.resistance, own.capacity, 0.0, own.coefficient, own.reference, own.ambient];
+        numbers.push(("thermal", all));
+    }
+    if let Some(own) = &motor.friction {
+        let all = [own.stiffness, own.damping, own.coulomb, own.static_friction, own.stribeck_velocity];
+        numbers.push(("lugre", all.to_vec()));
+    }
+    numbers
+}
+
+/// A limit, or 0 in place of infinity.
+fn or_zero(limit: f64) -> f64 {
+    if limit.is_finite() { limit } else { 0.0 }
 }
 
 /// The input with this gain.
 fn first_input(first: &ActuatorDescription) -> Option<&'static str> {
     let (gain, Affine { length, velocity, .. }) = (first.gain.constant, first.bias);
-    if gain == -length && length != 0.0 {
+    let needs_position = first.integral.is_some() || matches!(first.activation, Activation::RateLimit { .. });
+    if first.motor.is_some() && first.at_terminals {
+        Some(if gain == 0.0 { "none" } else { "voltage" })
+    } else if needs_position || gain == -length && length != 0.0 {
         Some("pos")
     } else if first.cogging.is_some() && length == 0.0 && velocity < 0.0 && gain > 0.0 {
         Some("voltage")
@@ -130,7 +191,7 @@ fn first_input(first: &ActuatorDescription) -> Option<&'static str> {
 }
 
 fn rank(word: &str) -> Option<usize> {
-    ["pos", "vel", "ff", "voltage"].into_iter().position(|known| known == word)
+    ["none", "pos", "vel", "ff", "voltage"].into_iter().position(|known| known == word)
 }
 
 fn words(parts: &[(&'static str, &ActuatorDescription)]) -> String {

@@ -340,3 +340,27 @@ fn armature_of_a_tendon_over_one_joint_is_the_joints() {
     assert!((armature - (0.5 + 0.9 + 3.6)).abs() < 1e-14, "{armature}");
     assert_eq!(robot.description.tendons[0].passive.armature, 0.0);
 }
+
+/// MuJoCo: the forces are 0, 0 and 4 at q = 0.5 with the controls 1, 2 and 4. Controls of disabled actuators
+/// stay.
+#[test]
+fn disabled_groups_of_actuators_exert_no_force() {
+    let text = "<mujoco><option actuatorgroupdisable='0 3'/><worldbody>
+          <body><joint name='j'/><geom size='.1'/></body></worldbody>
+        <actuator><motor joint='j'/><position joint='j' kp='3' group='3'/><motor joint='j' group='2'/></actuator>
+      </mujoco>";
+    let read = parse(text, &LoadOptions::default()).expect("a robot");
+    assert_eq!(read.report.counts.ignored_physics, 0, "{}", read.report);
+    let model = Model::new(read.description).expect("a robot");
+    let actuation = Actuation::new(&model).expect("actuation");
+    let mut forces = [1.0; 3];
+    actuation.actuator_forces(
+        &model,
+        &mut actuation.workspace(),
+        &[1.0, 2.0, 4.0],
+        &[0.5],
+        &[0.0],
+        &mut forces,
+    );
+    assert_eq!(forces, [0.0, 0.0, 4.0]);
+}

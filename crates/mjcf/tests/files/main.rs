@@ -5,6 +5,7 @@ mod actuation;
 mod adhesion;
 mod attach;
 mod contacts;
+mod controllers;
 mod faults;
 mod fluid;
 mod golden;

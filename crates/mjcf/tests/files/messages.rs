@@ -278,7 +278,6 @@ fn findings() {
         "<mujoco>\n<worldbody/><x:y/></mujoco>",
         "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' refquat='0 1 0 1' scale='1 2 1' file='m.stl'/></asset><worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>",
         "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body><joint/><geom type='mesh' mesh='m' shellinertia='true'/></body></worldbody></mujoco>",
-        "<mujoco><compiler fitaabb='true'/><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body><joint/><geom type='box' mesh='m'/></body></worldbody></mujoco>",
     ] {
         add(&mut out, text, list_findings(text, &options));
     }
