@@ -400,10 +400,10 @@ Besides these, 2035 distinct MJCF files of 57 repositories and packages were rea
 them the models and test files of MuJoCo, dm_control, Gymnasium-Robotics, Meta-World, MyoSuite, robosuite,
 LocoMuJoCo, MuJoCo Playground and Brax. MuJoCo loads 1432 of them, and the command `dynamics` loaded 1430 of
 these. The other two refer to a deformable body or have an infinite range, and such files are read now. The
-mass differs in files with deformable bodies or plugins, which are not in the model, with `fitaabb`, and with
-OBJ files of concave polygons. MuJoCo divides some of those polygons into triangles that overlap. The largest
-error of the bias, 7e-3, is in baxter_w_table.xml: the armature of its free joint lacks a term, as a warning
-says.
+mass differs in files with deformable bodies or plugins, which are not in the model, and with OBJ files of
+concave polygons. MuJoCo divides some of those polygons into triangles that overlap. It differed with
+`fitaabb`, which is read now. The largest error of the bias, 7e-3, is in baxter_w_table.xml: the armature of
+its free joint lacks a term, as a warning says.
 
 The command `dynamics` and MuJoCo VERSION read each file, and STATES random states are compared. The table
 gives the largest error of M, of the bias, and of the masses of the bodies, each relative to the largest

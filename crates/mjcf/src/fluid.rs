@@ -61,12 +61,12 @@ impl Reader<'_> {
             }
             (GeomType::Mesh, mesh) => {
                 let extent = self.usable_mesh(geom, mesh.as_deref()?)?;
-                (extent.half_size, geom.body_from_geom * extent.mesh_from_box)
+                (extent.half_size, geom.body_from_geom * geom.scale.place(extent.mesh_from_box))
             }
             (_, Some(mesh)) => self.fit_primitive(geom, mesh)?,
             (_, None) => ([a, b, c], geom.body_from_geom),
         };
-        let [a, b, c] = size;
+        let [a, b, c] = size.map(|size| size * geom.scale.length);
         let half_axes = match geom.form {
             GeomType::Sphere => [a; 3],
             GeomType::Capsule => [a, a, a + b],

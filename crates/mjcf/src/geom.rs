@@ -5,6 +5,7 @@ use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::element::Element;
+use crate::frame_scale::FrameScale;
 use crate::orientation::{LENGTH_THRESHOLD, from_z_to};
 use crate::reader::Reader;
 
@@ -44,6 +45,8 @@ pub(crate) struct Geom {
     /// a mesh.
     pub(crate) size: [f64; 3],
     pub(crate) body_from_geom: Isometry3<f64>,
+    /// The factors of the frames around it, which size and mass do not include.
+    pub(crate) scale: FrameScale,
     /// \[kg\]; the density applies if it is `None`.
     pub(crate) mass: Option<f64>,
     /// \[kg/m³\], or \[kg/m²\] for a shell.
@@ -59,8 +62,14 @@ pub(crate) struct Geom {
 }
 
 impl Reader<'_> {
-    /// Reads a geom; `frame` is the pose of the `<frame>` elements around it in the body.
-    pub(crate) fn geom(&mut self, element: Element, name: String, frame: &Isometry3<f64>) -> Geom {
+    /// Reads a geom; `frame` is the pose of the `<frame>` elements around it in the body, and `scale` has their
+    /// factors.
+    pub(crate) fn geom(
+        &mut self,
+        element: Element,
+        name: String,
+        (frame, scale): (&Isometry3<f64>, FrameScale),
+    ) -> Geom {
         let words = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
         let form = match self.word(&element, "type", &words) {
             Some("plane") => GeomType::Plane,
@@ -109,13 +118,18 @@ impl Reader<'_> {
         let group = self.number(&element, "group").unwrap_or(0.0) as i64;
         let fit_scale = self.number(&element, "fitscale").unwrap_or(1.0);
         let fluid = self.fluid_coefficients(&element);
-        let body_from_geom = frame * own;
+        let body_from_geom = frame * scale.place(own);
+        if scale != FrameScale::ONE && form == GeomType::HeightField {
+            let message = "the scale of a height field is not in the model";
+            self.report_ignored_physics(&element, message);
+        }
         Geom {
             name,
             element,
             form,
             size,
             body_from_geom,
+            scale,
             mass,
             density,
             shell,

@@ -36,6 +36,7 @@ mod attribute;
 mod element;
 mod floating_base;
 mod folder;
+mod frame_scale;
 mod grammar;
 mod path;
 mod reader;

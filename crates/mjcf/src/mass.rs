@@ -193,6 +193,7 @@ impl Reader<'_> {
         let density = geom.mass.map_or(geom.density, |mass| mass / measure);
         let inertia = own.inertia_about_center_of_mass() * density;
         let own = MassProperties::as_written(measure * density, own.center_of_mass(), inertia).ok()?;
+        let own = geom.scale.body(&own)?;
         let Isometry3 { rotation, translation } = place;
         Some(own.transformed(&rotation.to_rotation_matrix(), &translation.vector))
     }
@@ -230,13 +231,21 @@ impl Reader<'_> {
     }
 
     /// Size and frame of a primitive that is fitted to a mesh. Its axes are the principal axes of the mesh,
-    /// the longest along z. Its size is that of the box with the same inertia.
+    /// the longest along z. Its size is that of the box with the same inertia, or with `fitaabb` that of the
+    /// bounding box along these axes. The factors of frames apply to the frame, and not to the size.
     pub(crate) fn fit_primitive(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
-        if self.compiler(&geom.element).fit_bounds {
-            let message = "fitaabb is not supported: the mass of the primitive is that of the inertia box";
-            self.report_ignored_physics(&geom.element, message);
-        }
         let extent = self.usable_mesh(geom, mesh)?;
+        if self.compiler(&geom.element).fit_bounds {
+            let [center, [x, y, z]] = extent.bounds;
+            let size = match geom.form {
+                GeomType::Sphere => [x.max(y).max(z), 0.0, 0.0],
+                GeomType::Capsule => [x.max(y), z - x.max(y), 0.0],
+                GeomType::Cylinder => [x.max(y), z, 0.0],
+                _ => [x, y, z],
+            };
+            let mesh_from_bounds = geom.scale.place(extent.mesh_from_box * Translation3::from(center));
+            return Some((size.map(|x| x * geom.fit_scale), geom.body_from_geom * mesh_from_bounds));
+        }
         let PrincipalInertia { moments, body_from_principal } = extent.body.principal();
         // Half edges of a box with these moments, the largest about x: I₁ + I₂ − I₃ = m a²·2/3, and
         // cyclically.
@@ -259,7 +268,7 @@ impl Reader<'_> {
         let turn = nalgebra::Rotation3::from_matrix_unchecked(axes);
         let mesh_from_box =
             Isometry3::from_parts(Translation3::from(extent.body.center_of_mass()), turn.into());
-        Some((size.map(|x| x * geom.fit_scale), geom.body_from_geom * mesh_from_box))
+        Some((size.map(|x| x * geom.fit_scale), geom.body_from_geom * geom.scale.place(mesh_from_box)))
     }
 }
 

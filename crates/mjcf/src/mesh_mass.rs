@@ -33,6 +33,8 @@ pub(crate) struct MeshExtent {
     /// points from each of its coordinate planes.
     pub(crate) mesh_from_box: Isometry3<f64>,
     pub(crate) half_size: [f64; 3],
+    /// The middle of the bounding box of the points along these axes, and half its size.
+    pub(crate) bounds: [[f64; 3]; 2],
 }
 
 /// The mass properties of a mesh at density 1. For a mesh without faces they are those of its convex hull.
@@ -62,9 +64,12 @@ pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExten
     }?;
     let axes = principal_axes(&body.inertia_about_center_of_mass());
     let mesh_from_box = Isometry3::from_parts(Translation3::from(body.center_of_mass()), axes.into());
-    let sizes = mesh.points.iter().map(|point| (axes.inverse() * (point - body.center_of_mass())).abs());
-    let half_size = sizes.fold(Vector3::zeros(), |most: Vector3<f64>, size| most.sup(&size)).into();
-    Ok(MeshExtent { measure: body.mass(), body, open_edges: open, mesh_from_box, half_size })
+    let points = mesh.points.iter().map(|point| axes.inverse() * (point - body.center_of_mass()));
+    let infinite = Vector3::from_element(f64::INFINITY);
+    let [least, most] = points.fold([infinite, -infinite], |[a, b], x| [a.inf(&x), b.sup(&x)]);
+    let half_size = least.abs().sup(&most.abs()).into();
+    let bounds = [(least + most) * 0.5, (most - least) * 0.5].map(<[f64; 3]>::from);
+    Ok(MeshExtent { measure: body.mass(), body, open_edges: open, mesh_from_box, half_size, bounds })
 }
 
 /// The pyramids from the centroid of the surface give the centre of mass. Those from the centre of mass give

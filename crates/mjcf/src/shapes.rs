@@ -61,14 +61,15 @@ impl Reader<'_> {
 
     /// Shape and pose of a geom; `None`, with a note, if it is not kept.
     fn shape(&mut self, geom: &Geom) -> Option<(Shape, Pose)> {
-        let [a, b, c] = geom.size;
+        let size = geom.size.map(|size| size * geom.scale.length);
+        let [a, b, c] = size;
         let shape = match (geom.form, &geom.mesh) {
             (GeomType::Mesh | GeomType::SignedDistance, None) => return None,
             (_, Some(mesh)) => return self.mesh_shape(geom, mesh),
             (GeomType::Sphere, None) => Shape::Sphere { radius: a },
             (GeomType::Capsule, None) => Shape::Capsule { radius: a, length: 2.0 * b },
             (GeomType::Cylinder, None) => Shape::Cylinder { radius: a, length: 2.0 * b },
-            (GeomType::Ellipsoid, None) => Shape::Ellipsoid { half_axes: geom.size },
+            (GeomType::Ellipsoid, None) => Shape::Ellipsoid { half_axes: size },
             (GeomType::Box, None) => Shape::Box { size: [2.0 * a, 2.0 * b, 2.0 * c] },
             (GeomType::Plane, None) => Shape::Plane { half_size: [a, b] },
             (GeomType::HeightField, None) => self.height_field(geom)?,
@@ -83,6 +84,7 @@ impl Reader<'_> {
             return None;
         };
         let scale = self.numbers::<3>(&element, "scale").unwrap_or([1.0; 3]);
+        let scale = scale.map(|factor| factor * geom.scale.length);
         let shift = self.numbers::<3>(&element, "refpos").unwrap_or_default();
         let [w, x, y, z] = self.numbers::<4>(&element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0).unwrap_or_default().inverse();

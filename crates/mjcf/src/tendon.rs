@@ -246,7 +246,7 @@ impl Reader<'_> {
             link: link.to_owned(),
             link_from_surface: pose(&geom.body_from_geom),
             surface,
-            radius: geom.size[0],
+            radius: geom.size[0] * geom.scale.length,
             side,
         })
     }

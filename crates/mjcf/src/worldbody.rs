@@ -9,6 +9,7 @@ use robot_dynamics_xml::Resource;
 use crate::body::{Body, Site};
 use crate::classes::{Class, MAIN};
 use crate::element::Element;
+use crate::frame_scale::FrameScale;
 use crate::joint::JointType;
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
@@ -20,6 +21,8 @@ struct Context {
     body: usize,
     /// The pose of the `<frame>` elements around it, in the body.
     frame: Isometry3<f64>,
+    /// The factors of the `<frame>` elements around it.
+    scale: FrameScale,
     class: Class,
     /// The suffix of the replicates around it.
     suffix: Rc<str>,
@@ -51,7 +54,13 @@ impl Reader<'_> {
     fn walk(&mut self, sections: &[Id], class: Class) -> Vec<Body> {
         let world = self.raw_element(Tree::ROOT);
         let mut bodies = vec![Body::new("world".into(), world, 0, Isometry3::identity())];
-        let context = Context { body: 0, frame: Isometry3::identity(), class, suffix: Rc::from("") };
+        let context = Context {
+            body: 0,
+            frame: Isometry3::identity(),
+            scale: FrameScale::ONE,
+            class,
+            suffix: Rc::from(""),
+        };
         let context = Rc::new(context);
         // A stack of reversed children gives the order of the file, depth first.
         let mut pending: Vec<(Id, Rc<Context>)> = Vec::new();
@@ -92,14 +101,20 @@ impl Reader<'_> {
                 let element = self.raw_element(node);
                 self.refuse(&element, "the world cannot have an <inertial>; put it into a body");
             }
-            "inertial" => self.read_inertial(node, &mut bodies[context.body]),
+            "inertial" => self.read_inertial(node, context.scale, &mut bodies[context.body]),
             "joint" | "freejoint" if is_world => {
                 let element = self.raw_element(node);
                 self.refuse(&element, "the world cannot have joints; put the joint into a body");
             }
             "joint" => {
                 let element = self.element(node, context.class);
-                let joint = self.joint(&element, name, &context.frame);
+                let mut joint = self.joint(&element, name, &context.frame);
+                if context.scale != FrameScale::ONE {
+                    // The anchor is in the body, and its offset from the frame is scaled.
+                    let origin = context.frame.translation.vector;
+                    joint.anchor = origin + (joint.anchor - origin) * context.scale.length;
+                    context.scale.joint(&mut joint);
+                }
                 push(&mut bodies[context.body].joints, joint);
             }
             "freejoint" => {
@@ -109,7 +124,7 @@ impl Reader<'_> {
             }
             "geom" => {
                 let element = self.element(node, context.class);
-                let geom = self.geom(element, name, &context.frame);
+                let geom = self.geom(element, name, (&context.frame, context.scale));
                 push(&mut bodies[context.body].geoms, geom);
             }
             "site" => self.read_site(node, name, context, &mut bodies[context.body]),
@@ -129,13 +144,14 @@ impl Reader<'_> {
     ) {
         let element = self.raw_element(node);
         let class = self.child_class(&element, context.class);
-        let parent_from_body = context.frame * self.placement(&element);
+        let parent_from_body = context.frame * context.scale.place(self.placement(&element));
         let mut body = Body::new(name, element.clone(), context.body, parent_from_body);
         body.gravity_compensation = self.number(&element, "gravcomp").unwrap_or(0.0);
         body.mocap = self.boolean(&element, "mocap").unwrap_or(false);
         let inside = Context {
             body: bodies.len(),
             frame: Isometry3::identity(),
+            scale: context.scale,
             class,
             suffix: Rc::clone(&context.suffix),
         };
@@ -147,13 +163,14 @@ impl Reader<'_> {
     fn read_frame(&mut self, node: Id, context: &Context, pending: &mut Vec<(Id, Rc<Context>)>) {
         let element = self.raw_element(node);
         let class = self.child_class(&element, context.class);
-        let frame = context.frame * self.placement(&element);
-        let inside = Context { frame, class, ..Context::clone(context) };
+        let frame = context.frame * context.scale.place(self.placement(&element));
+        let scale = self.frame_scale(&element, context.scale);
+        let inside = Context { frame, scale, class, ..Context::clone(context) };
         self.push_children(node, &Rc::new(inside), pending);
     }
 
     /// Reads the `<inertial>` of a body, unless it already has one.
-    fn read_inertial(&mut self, node: Id, body: &mut Body) {
+    fn read_inertial(&mut self, node: Id, scale: FrameScale, body: &mut Body) {
         let element = self.raw_element(node);
         let place = format!("{}/inertial", body.element.place);
         let element = Element { place, ..element };
@@ -164,7 +181,9 @@ impl Reader<'_> {
             );
             self.warn(&element, message);
         } else {
-            body.inertial = Some(Box::new(self.inertial(element)));
+            let mut inertial = self.inertial(element);
+            scale.inertial(&mut inertial);
+            body.inertial = Some(Box::new(inertial));
         }
     }
 
@@ -176,7 +195,10 @@ impl Reader<'_> {
             None => self.placement(&element),
         };
         if !name.is_empty() {
-            push(&mut body.sites, Site { name, element, body_from_site: context.frame * placement });
+            push(
+                &mut body.sites,
+                Site { name, element, body_from_site: context.frame * context.scale.place(placement) },
+            );
         }
     }
 
@@ -229,7 +251,7 @@ impl Reader<'_> {
         let euler = self.numbers::<3>(&element, "euler").unwrap_or_default();
         let compiler = self.compiler(&element);
         let turn = |times: f64| self.euler(&element, euler.map(|angle| times * compiler.angle(angle)));
-        let step = Isometry3::from_parts(Translation3::from(offset), turn(1.0));
+        let step = context.scale.place(Isometry3::from_parts(Translation3::from(offset), turn(1.0)));
         let mut place = Isometry3::identity();
         let mut copies = Vec::new();
         for copy in 0..count {

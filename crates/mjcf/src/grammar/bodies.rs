@@ -16,9 +16,23 @@ pub(super) const RULES: &[Rule] = &[
         &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
     )
     .ignored(&["sleep", "simple", "fuse", "user"]),
-    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
-        .ignored(&["scaling"])
-        .physics(&[("scale", "1"), ("massscale", "0")]),
+    read(
+        BODIES,
+        "frame",
+        &[
+            "name",
+            "childclass",
+            "pos",
+            "quat",
+            "axisangle",
+            "xyaxes",
+            "zaxis",
+            "euler",
+            "scale",
+            "massscale",
+            "scaling",
+        ],
+    ),
     read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
     read(
         BODIES,

@@ -97,7 +97,8 @@ impl Golden {
     }
 
     pub(crate) fn tolerance(&self) -> f64 {
-        let diagonalized = ["meshes.xml", "primitives.xml"].iter().any(|name| self.file.ends_with(name));
+        let diagonalized =
+            ["meshes.xml", "primitives.xml", "frame_scale.xml"].iter().any(|name| self.file.ends_with(name));
         if diagonalized { DIAGONALIZED } else { SUMMED }
     }
 

@@ -151,3 +151,38 @@ fn builtin_meshes_are_those_of_mujoco() {
         assert!(found.into_iter().zip(expected).all(near), "{shape} {parameters}: {found:?}");
     }
 }
+
+/// With `fitaabb` a primitive has the size of the mesh's bounding box along its principal axes. Mass, center of
+/// mass, and the inertia about it (xx, yy, zz, xy, xz, yz) are MuJoCo's, whose iteration for principal axes ends
+/// with a rotation below 1.4e-6 rad. The bounds move by as much, hence the tolerance.
+#[test]
+fn primitives_fit_bounding_boxes_as_in_mujoco() {
+    const ALLOWED: f64 = 1e-6;
+    const CENTER: [f64; 3] = [1.210_206_775_517_131_7, 2.477_564_212_707_300_8, 3.329_406_755_173_418_6];
+    #[rustfmt::skip]
+    const FITTED: [(&str, f64, [f64; 6]); 5] = [
+        ("sphere", 808.184_451_975_754_3, [107.940_660_282_655_07, 107.940_660_282_655_09, 107.940_660_282_655_09, 0.0, 0.0, 0.0]),
+        ("capsule", 614.403_323_572_519_5, [69.471_884_790_257_2, 65.082_891_984_884_44, 73.551_899_603_309_62, -5.901_281_101_946_204, -0.297_603_078_856_751_86, -0.428_183_127_598_441_24]),
+        ("cylinder", 852.845_817_999_759_6, [130.424_878_615_170_66, 114.823_449_471_364_2, 144.927_992_389_610_24, -20.977_117_769_934_097, -1.057_881_284_762_754_8, -1.522_050_507_265_117_4]),
+        ("ellipsoid", 316.826_952_945_938_73, [24.633_187_857_363_367, 22.206_450_310_875_127, 34.488_489_115_225_33, -3.696_569_872_765_903_3, 2.643_196_941_474_178_7, -2.592_667_466_203_431]),
+        ("box", 605.094_907_993_073_8, [78.409_872_232_212_68, 70.685_326_710_006_65, 109.780_270_449_182_78, -11.766_547_354_705_446, 8.413_557_176_019_895, -8.252_716_860_796_307]),
+    ];
+    for (kind, mass, inertia) in FITTED {
+        let text = format!(
+            "<mujoco><compiler fitaabb='true'/><asset>
+               <mesh name='m' vertex='0 0 0  1 0 0.2  0.1 0.7 0  0.3 0.2 0.5  0.9 0.8 0.1'/></asset>
+             <worldbody><body><geom type='{kind}' mesh='m' pos='1 2 3' euler='20 30 40' fitscale='1.1'/></body>
+             </worldbody></mujoco>"
+        );
+        let robot = parse(&text, &LoadOptions::default()).expect("a robot");
+        let body = robot.description.links[1].mass_properties.expect("a mass");
+        let (center, own) = (body.center_of_mass(), body.inertia_about_center_of_mass());
+        assert!((body.mass() - mass).abs() < ALLOWED * mass, "{kind}: {}", body.mass());
+        for k in 0..3 {
+            assert!((center[k] - CENTER[k]).abs() < ALLOWED, "{kind}: {center}");
+        }
+        for ((i, j), expected) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().zip(inertia) {
+            assert!((own[(i, j)] - expected).abs() < ALLOWED * inertia[2], "{kind}: {own}");
+        }
+    }
+}
