@@ -256,6 +256,21 @@ fn removed_parts_take_their_references_with_them() {
     run_alone(&robot);
 }
 
+/// A link with two parents is no tree. Without one of its joints it is, and nothing else is lost.
+#[test]
+fn removing_a_joint_cuts_a_loop() {
+    let mut robot = pendulum(2.0, 0.5);
+    let tree = robot.clone();
+    let mut second = robot.joints[0].clone();
+    second.name = "second".into();
+    robot.joints.push(second);
+    robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("second", 1.0)));
+    Model::new(robot.clone()).expect_err("two parents");
+    let notes = robot.remove_joint("second").expect("a joint");
+    assert_eq!(notes.iter().map(|note| note.place.as_str()).collect::<Vec<_>>(), ["actuator `motor`"]);
+    assert_eq!(robot, tree);
+}
+
 /// A robot whose description a simulation takes.
 fn run_alone(robot: &RobotDescription) {
     let model = Model::new(robot.clone()).expect("a robot");

@@ -18,10 +18,24 @@ struct Removed {
     actuators: HashSet<String>,
 }
 
+/// The links that joints lead to from these links, with these.
+fn reached<'a>(
+    children: &HashMap<&'a str, Vec<&'a str>>,
+    from: impl Iterator<Item = &'a str>,
+) -> HashSet<&'a str> {
+    let (mut links, mut pending) = (HashSet::new(), from.collect::<Vec<_>>());
+    while let Some(link) = pending.pop() {
+        if links.insert(link) {
+            pending.extend(children.get(link).into_iter().flatten());
+        }
+    }
+    links
+}
+
 impl RobotDescription {
     /// Removes a joint with the links behind it, and with every part that refers to them. Returns the other
     /// parts that were removed or changed; the joints, links, frames and shapes behind the joint are not
-    /// listed.
+    /// listed. Links that are also behind another joint stay: if a link has two parents, this cuts the loop.
     ///
     /// Actuators, sensors, tendons, equalities and contact pairs with a reference to a removed part are
     /// removed. A mimic joint whose leader is removed moves by itself. Named poses lose the values of removed
@@ -40,18 +54,19 @@ impl RobotDescription {
     /// # Errors
     /// [`ModelError::Input`] for an unknown joint.
     pub fn remove_joint(&mut self, name: &str) -> Result<Vec<EditNote>, ModelError> {
-        let top = self.joints[self.joint_index(name)?].child.clone();
+        let cut = self.joint_index(name)?;
         let mut children = HashMap::<&str, Vec<&str>>::new();
-        for joint in &self.joints {
+        for (_, joint) in self.joints.iter().enumerate().filter(|(index, _)| *index != cut) {
             children.entry(&joint.parent).or_default().push(&joint.child);
         }
-        let (mut links, mut pending) = (HashSet::new(), vec![top.as_str()]);
-        while let Some(link) = pending.pop() {
-            if links.insert(link.to_owned()) {
-                pending.extend(children.get(link).into_iter().flatten());
-            }
-        }
-        Ok(self.remove_parts(Removed { links, ..Removed::default() }))
+        let top = self.joints[cut].child.as_str();
+        let moved: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
+        let roots = self.links.iter().map(|link| link.name.as_str()).filter(|link| !moved.contains(link));
+        let held = reached(&children, roots);
+        let behind = reached(&children, [top].into_iter());
+        let links = behind.difference(&held).map(|link| (*link).to_owned()).collect();
+        let joints = HashSet::from([name.to_owned()]);
+        Ok(self.remove_parts(Removed { links, joints, ..Removed::default() }))
     }
 
     /// Removes an equality, for example to cut a loop that it closes. Returns the actuators and sensors that
@@ -134,7 +149,7 @@ impl RobotDescription {
         let Removed { links, joints, frames, shapes, .. } = removed;
         self.links.retain(|link| !links.contains(&link.name));
         self.joints.retain(|joint| {
-            let is_removed = links.contains(&joint.child);
+            let is_removed = links.contains(&joint.child) || joints.contains(&joint.name);
             if is_removed {
                 joints.insert(joint.name.clone());
             }
