@@ -12,6 +12,8 @@ pub struct SceneFault {
     line: Option<usize>,
     place: String,
     message: String,
+    /// Whether it is a limit on the whole file.
+    is_limit: bool,
 }
 
 struct Line(Option<usize>);
@@ -32,17 +34,29 @@ impl fmt::Display for Place<'_> {
 
 impl SceneFault {
     pub(super) fn new(line: usize, place: &str, message: impl Into<String>) -> Self {
-        Self { line: Some(line), place: place.to_owned(), message: message.into() }
+        Self { line: Some(line), place: place.to_owned(), message: message.into(), is_limit: false }
     }
 
     /// An error of the whole file, whose text has its line.
     pub(super) fn of_file(line: Option<usize>, error: &impl ToString) -> Self {
         let text = error.to_string();
         let message = match line.and_then(|line| text.strip_prefix(&format!("line {line}: "))) {
-            Some(message) => return Self { line, place: String::new(), message: message.to_owned() },
+            Some(message) => {
+                return Self { line, place: String::new(), message: message.to_owned(), is_limit: false };
+            }
             None => text,
         };
-        Self { line: None, place: String::new(), message }
+        Self { line: None, place: String::new(), message, is_limit: false }
+    }
+
+    /// A limit on the whole file, which ends the reading.
+    pub(super) fn of_limit(line: usize, place: &str, message: impl Into<String>) -> Self {
+        Self { is_limit: true, ..Self::new(line, place, message) }
+    }
+
+    /// The line by which errors are sorted. A limit comes first, so that it is always among the listed errors.
+    pub(super) fn sorted_at(&self) -> Option<usize> {
+        if self.is_limit { None } else { self.line }
     }
 
     pub(super) fn refused(self) -> RefusedFile<Self> {
@@ -57,5 +71,19 @@ impl SceneFault {
     /// The element, as in `robot "arm.urdf"`.
     pub fn place(&self) -> &str {
         &self.place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_listed_before_a_thousand_errors() {
+        let mut faults: Vec<_> = (1..2000).map(|line| SceneFault::new(line, "box", "no size")).collect();
+        faults.push(SceneFault::of_limit(2000, "box", "the scene has more than 5 links"));
+        let refused = RefusedFile::new(faults, SceneFault::sorted_at, LoadReport::default());
+        assert_eq!((refused.errors()[0].line(), refused.errors()[1].line()), (Some(2000), Some(1)));
+        assert_eq!(refused.unlisted(), 1000);
     }
 }

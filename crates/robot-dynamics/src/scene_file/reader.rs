@@ -120,7 +120,7 @@ impl<'r, 's> Reader<'r, 's> {
             Ok(()) => true,
             Err(limit) => {
                 let message = format!("the scene has more than {} {}", limit.limit, limit.what);
-                self.faults.push(SceneFault::new(line, place, message));
+                self.faults.push(SceneFault::of_limit(line, place, message));
                 false
             }
         }
@@ -141,6 +141,6 @@ impl<'r, 's> Reader<'r, 's> {
         if self.faults.is_empty() {
             return Ok(ReadFile { description, report: self.report, angles: self.angles });
         }
-        Err(RefusedFile::new(self.faults, SceneFault::line, self.report))
+        Err(RefusedFile::new(self.faults, SceneFault::sorted_at, self.report))
     }
 }
