@@ -371,6 +371,7 @@ BASES = ("Robot", "Scene", "Simulation", "SimulationBatch")
 
 # Writable attributes with their types.
 SETTERS = {
+    ("Simulation", "activations"): "Numbers",
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",
     ("SimulationBatch", "controls"): "Numbers",

@@ -3199,7 +3199,9 @@ class Simulation:
         """The mean acceleration of the last step (nv,) [rad/s² or m/s²]."""
     @property
     def activations(self) -> NDArray[np.float64]:
-        """The activations of the actuators."""
+        """The activations of the actuators, and then the states of controllers and motors."""
+    @activations.setter
+    def activations(self, value: Numbers) -> None: ...
     @property
     def actuator_forces(self) -> NDArray[np.float64]:
         """The force of each actuator before its gear, the mean over the last step [N·m or N]."""

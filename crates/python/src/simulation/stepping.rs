@@ -161,10 +161,17 @@ impl Simulation {
         Ok(())
     }
 
-    /// The activations of the actuators.
+    /// The activations of the actuators, and then the states of controllers and motors.
     #[getter]
     fn activations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array(py, self.stepped.activations())
+    }
+
+    #[setter]
+    fn set_activations(&mut self, py: Python<'_>, activations: &Bound<'_, PyAny>) -> PyResult<()> {
+        let values = shaped(py, "activations", activations, &[self.stepped.activations().len()])?.1;
+        self.stepped.set_activations(&values);
+        Ok(())
     }
 
     /// The torques of the next steps (nv,), held until they are set again [N·m or N].
