@@ -5,7 +5,9 @@ mod inverse_kinematics;
 mod lqr;
 mod operational_space;
 pub mod optimal;
+mod quadratic_program;
 mod time_parameterization;
+pub mod whole_body;
 
 pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, IdentificationResult, LinkConsistency, MotionRecord,

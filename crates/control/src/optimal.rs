@@ -16,7 +16,7 @@ mod box_qp;
 mod constraint;
 mod control_bounds;
 mod cost;
-mod dense;
+pub(crate) mod dense;
 mod dynamics;
 mod error;
 mod mpc;

@@ -6,6 +6,7 @@ use std::path::Path;
 use robot_dynamics::ErrorKind::{self, *};
 use robot_dynamics::algorithms::{MotionError, SingularMass};
 use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::whole_body::{Limit, WholeBodyError};
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
 };
@@ -107,6 +108,10 @@ fn errors_of_control() {
     check(DlqrError::from(bad_input()), InvalidInput);
     check(ParameterizationError::from(bad_input()), InvalidInput);
     check(ParameterizationError::Standstill { s: 0.0 }, Infeasible);
+    check(WholeBodyError::from(bad_input()), InvalidInput);
+    check(WholeBodyError::Infeasible { limit: Limit::Torque { dof: 6 } }, Infeasible);
+    check(WholeBodyError::ContradictoryContacts { residual: 1.0 }, Infeasible);
+    check(WholeBodyError::NotConverged { steps: 100 }, NotConverged);
 }
 
 #[test]

@@ -21,13 +21,16 @@ use robot_dynamics::control::optimal::{
     ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
     StateResidual,
 };
+use robot_dynamics::control::whole_body::{
+    ContactGeometry, HeldContact, Objective, PdGains, WholeBodyControl,
+};
 use robot_dynamics::control::{
-    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, TaskControl,
-    TaskGains, TaskReference,
+    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, Reference,
+    TaskControl, TaskGains, TaskReference,
 };
 use robot_dynamics::derivatives::LinearizeStepWorkspace;
 use robot_dynamics::description::{
-    JointDescription, JointKind, JointKinds, LinkDescription, LinkShape, MassProperties, Pose,
+    Base, JointDescription, JointKind, JointKinds, LinkDescription, LinkShape, MassProperties, Pose,
     RandomRobotOptions, RobotDescription, SensorDescription, SensorKind, SensorObject, Shape, ShapeRole,
 };
 use robot_dynamics::model::{FrameId, Model, RandomState, Workspace};
@@ -923,4 +926,44 @@ fn iterations_of_optimal_control_do_not_allocate() {
         solver.solve().expect("a solution").iterations
     });
     assert_eq!(requests, 0);
+}
+
+/// Calls after the first, with other active limits, references and held contacts.
+#[test]
+fn whole_body_control_allocates_nothing() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/quadruped.urdf");
+    let loaded = robot_dynamics::load_description(file, &robot_dynamics::LoadOptions::default());
+    let mut robot = loaded.expect("a robot").description;
+    robot.base = Base::Floating;
+    let model = Model::new(robot).expect("a robot");
+    let (mut q, v) = (robot_dynamics::model::neutral(&model), vec![0.0; model.nv()]);
+    for leg in 0..4 {
+        q[7 + 3 * leg..10 + 3 * leg].copy_from_slice(&[0.0, 0.7, -1.4]);
+    }
+    let mut control = WholeBodyControl::new(&model);
+    let feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"].map(|foot| {
+        let frame = model.frame_named(foot).expect("a foot");
+        control.add_contact(HeldContact::new(frame, ContactGeometry::Ball(0.02))).expect("a contact")
+    });
+    let center = |z: f64| Objective::CenterOfMass {
+        reference: TaskReference { position: [0.0; 3], velocity: [0.0; 3], acceleration: [0.0, 0.0, z] },
+        gains: PdGains { stiffness: 0.0, damping: 0.0 },
+    };
+    let jump = control.add_task_at(0, center(0.0), 1.0).expect("a task");
+    let reference = Reference { q: q.clone(), v: v.clone(), a: v.clone() };
+    let posture = Objective::Posture { reference, gains: PdGains::critical(100.0) };
+    control.add_task_at(1, posture, 1.0).expect("a task");
+    control.add_task_at(2, Objective::ContactForces, 1.0).expect("a task");
+    control.add_task_at(2, Objective::Torque { torque: v.clone() }, 1.0).expect("a task");
+    control.solve(&q, &v).expect("a solution");
+    let mut active = 0;
+    let requests = allocations(|| {
+        for (z, are_held) in [(0.0, [true; 4]), (60.0, [true; 4]), (5.0, [true, false, true, true])] {
+            *control.objective_mut(jump) = center(z);
+            feet.iter().zip(are_held).for_each(|(foot, is_held)| control.hold_contact(*foot, is_held));
+            active += control.solve(&q, &v).expect("a solution").active_limits.len();
+        }
+    });
+    assert_eq!(requests, 0);
+    assert!(active > 0, "limits are active");
 }

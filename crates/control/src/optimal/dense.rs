@@ -16,24 +16,24 @@ enum Part {
 }
 
 /// C += A B, with A of `inner` columns and B of `width` columns.
-pub(super) fn add_product(inner: usize, width: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
+pub(crate) fn add_product(inner: usize, width: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
     run_here(Product { a, strides: (inner, 1), inner, b, width, c, part: Part::All });
 }
 
 /// C += AᵀB, with A of `rows` columns and B of `width` columns.
-pub(super) fn add_transposed_product(rows: usize, width: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
+pub(crate) fn add_transposed_product(rows: usize, width: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
     let inner = a.len() / rows.max(1);
     run_here(Product { a, strides: (1, rows), inner, b, width, c, part: Part::All });
 }
 
 /// C += AᵀB for a symmetric C, of which only the entries at and below the diagonal are valid afterwards.
-pub(super) fn add_symmetric_product(n: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
+pub(crate) fn add_symmetric_product(n: usize, a: &[f64], b: &[f64], c: &mut [f64]) {
     let inner = a.len() / n.max(1);
     run_here(Product { a, strides: (1, n), inner, b, width: n, c, part: Part::Lower });
 }
 
 /// Copies the entries below the diagonal to those above it.
-pub(super) fn mirror_lower(n: usize, matrix: &mut [f64]) {
+pub(crate) fn mirror_lower(n: usize, matrix: &mut [f64]) {
     for i in 0..n {
         for j in 0..i {
             matrix[j * n + i] = matrix[i * n + j];
@@ -99,7 +99,7 @@ impl Product<'_> {
 }
 
 /// `y` += A x, with A row-major.
-pub(super) fn add_matrix_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
+pub(crate) fn add_matrix_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
     if x.is_empty() {
         return;
     }
@@ -109,7 +109,7 @@ pub(super) fn add_matrix_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
 }
 
 /// `y` += Aᵀx, with A row-major.
-pub(super) fn add_transposed_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
+pub(crate) fn add_transposed_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
     if y.is_empty() {
         return;
     }
@@ -118,23 +118,23 @@ pub(super) fn add_transposed_vector(a: &[f64], x: &[f64], y: &mut [f64]) {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The sum of the absolute values.
-pub(super) fn sum_of_magnitudes(x: &[f64]) -> f64 {
+pub(crate) fn sum_of_magnitudes(x: &[f64]) -> f64 {
     x.iter().map(|x| x.abs()).sum()
 }
 
 /// The largest absolute value; NaN if an entry is NaN.
-pub(super) fn largest(x: &[f64]) -> f64 {
+pub(crate) fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
 }
 
 /// Replaces the lower half of a symmetric matrix by its Cholesky factor L; returns whether the matrix is
 /// positive definite.
-pub(super) fn factorize(n: usize, matrix: &mut [f64]) -> bool {
+pub(crate) fn factorize(n: usize, matrix: &mut [f64]) -> bool {
     for j in 0..n {
         let (above, own) = matrix.split_at_mut(j * n);
         let own = &mut own[..n];
@@ -159,7 +159,7 @@ fn scale(factor: f64, x: &mut [f64]) {
 }
 
 /// X ← (L Lᵀ)⁻¹X for X with n rows of `width` numbers.
-pub(super) fn solve_factored(n: usize, factor: &[f64], width: usize, x: &mut [f64]) {
+pub(crate) fn solve_factored(n: usize, factor: &[f64], width: usize, x: &mut [f64]) {
     for i in 0..n {
         let (above, own) = x.split_at_mut(i * width);
         let own = &mut own[..width];

@@ -9,3 +9,4 @@ mod operational_space;
 mod optimal;
 mod owning_controllers;
 mod time_optimal;
+mod whole_body;
