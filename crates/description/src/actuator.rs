@@ -36,8 +36,8 @@ pub struct ActuatorDescription {
     /// The motor of which the sum of f and its integral term is the requested torque.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub motor: Option<ElectricMotor>,
-    /// Whether f stands for a voltage R/K·f at the terminals of its motor or of the motor that it adds to. The
-    /// bound on the voltage of the motor's controller does not limit it.
+    /// Whether f stands for a voltage R/K·f at the terminals of its motor or of the motor that it adds to.
+    /// The bound on the voltage of the motor's controller does not limit it.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "core::ops::Not::not"))]
     pub at_terminals: bool,
     /// The name of an earlier actuator on the same transmission to whose f the f of this one is added. The

@@ -62,8 +62,8 @@ pub(crate) struct Geom {
 }
 
 impl Reader<'_> {
-    /// Reads a geom; `frame` is the pose of the `<frame>` elements around it in the body, and `scale` has their
-    /// factors.
+    /// Reads a geom; `frame` is the pose of the `<frame>` elements around it in the body, and `scale` has
+    /// their factors.
     pub(crate) fn geom(
         &mut self,
         element: Element,

@@ -25,13 +25,12 @@ pub use workspace::ActuationWorkspace;
 
 use crate::FluidForces;
 use carried_weight::CarriedWeight;
-use controller_memory::ControllerMemory;
+use controller_memory::{ControllerMemory, StatePlaces};
 use pose_spring::PoseSpring;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_description::{ActuatorDescription, ModelError};
 use spatial_tendon::SpatialTendons;
-use states::StatePlaces;
 use tendon::Tendon;
 use tendon_law::TendonLaw;
 use transmission::Drive;
@@ -121,7 +120,7 @@ impl Actuation {
             springs,
             actuators,
             leaders,
-            places: states::places(description.actuators.iter()),
+            places: controller_memory::places(description.actuators.iter()),
             has_controllers: (description.actuators.iter())
                 .any(|own| own.integral.is_some() || own.motor.is_some()),
             weight: CarriedWeight::new(model)?,

@@ -167,10 +167,10 @@ impl Reader<'_> {
         settings.kinds("pid", "affine", if has_state { "pid" } else { "none" });
     }
 
-    /// The numbers of `<dcmotor>`, in the order of MuJoCo. The gain has R, K, α, the reference temperature, and
-    /// the gains and the voltage of the controller. The dynamics have the time constant and the rate of the
-    /// current, the thermal resistance, capacity and ambient temperature, σ₀, σ₁, and the rate and the integral
-    /// of the controller. The bias has the cogging and the three other numbers of the friction.
+    /// The numbers of `<dcmotor>`, in the order of MuJoCo. The gain has R, K, α, the reference temperature,
+    /// and the gains and the voltage of the controller. The dynamics have the time constant and the rate of
+    /// the current, the thermal resistance, capacity and ambient temperature, σ₀, σ₁, and the rate and the
+    /// integral of the controller. The bias has the cogging and the three other numbers of the friction.
     fn set_motor(&mut self, one: &Element, settings: &mut Settings) {
         let Settings { gain, bias, dynamics_numbers: dynamics, .. } = settings;
         let [torque_constant, back_emf] = self.overlay(one, "motorconst", [gain[1], 0.0]);

@@ -1,8 +1,8 @@
 //! Compares actuators with states with MuJoCo (`testdata/mjcf/controller_states/golden.json`): torques, the
 //! rates of the states, and the ends of motions by the same Runge–Kutta steps.
 //!
-//! Tolerance: 1e-10 of torques and rates, 1e-8 of motions, relative to the largest number or 1. They differ by
-//! the rounding of sums in another order, and by MuJoCo's principal axes of inertia.
+//! Tolerance: 1e-10 of torques and rates, 1e-8 of motions, relative to the largest number or 1. They differ
+//! by the rounding of sums in another order, and by MuJoCo's principal axes of inertia.
 
 use robot_dynamics::description::{Activation, ActuatorDescription, RobotDescription};
 use robot_dynamics::model::Model;

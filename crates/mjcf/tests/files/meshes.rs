@@ -152,9 +152,9 @@ fn builtin_meshes_are_those_of_mujoco() {
     }
 }
 
-/// With `fitaabb` a primitive has the size of the mesh's bounding box along its principal axes. Mass, center of
-/// mass, and the inertia about it (xx, yy, zz, xy, xz, yz) are MuJoCo's, whose iteration for principal axes ends
-/// with a rotation below 1.4e-6 rad. The bounds move by as much, hence the tolerance.
+/// With `fitaabb` a primitive has the size of the mesh's bounding box along its principal axes. Mass, center
+/// of mass, and the inertia about it (xx, yy, zz, xy, xz, yz) are MuJoCo's, whose iteration for principal
+/// axes ends with a rotation below 1.4e-6 rad. The bounds move by as much, hence the tolerance.
 #[test]
 fn primitives_fit_bounding_boxes_as_in_mujoco() {
     const ALLOWED: f64 = 1e-6;

@@ -54,7 +54,8 @@ impl SceneFault {
         Self { is_limit: true, ..Self::new(line, place, message) }
     }
 
-    /// The line by which errors are sorted. A limit comes first, so that it is always among the listed errors.
+    /// The line by which errors are sorted. A limit comes first, so that it is always among the listed
+    /// errors.
     pub(super) fn sorted_at(&self) -> Option<usize> {
         if self.is_limit { None } else { self.line }
     }

@@ -1,4 +1,43 @@
-//! The memory of the states of controllers and motors.
+//! The places and the memory of the states of controllers and motors.
+
+use robot_dynamics_description::ActuatorDescription;
+
+/// The places of an actuator's states among the activations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct StatePlaces {
+    pub(super) integral: Option<usize>,
+    pub(super) temperature: Option<usize>,
+    pub(super) deflection: Option<usize>,
+    pub(super) current: Option<usize>,
+}
+
+/// Counts the states of all actuators, and returns their places.
+pub(super) fn places<'a>(actuators: impl Iterator<Item = &'a ActuatorDescription>) -> Vec<StatePlaces> {
+    let mut count = 0;
+    let mut next = |is_there: bool| {
+        is_there.then(|| {
+            count += 1;
+            count - 1
+        })
+    };
+    actuators
+        .map(|actuator| {
+            let motor = actuator.motor.as_ref();
+            StatePlaces {
+                integral: next(actuator.integral.is_some()),
+                temperature: next(motor.is_some_and(|motor| motor.winding.is_some())),
+                deflection: next(motor.is_some_and(|motor| motor.friction.is_some())),
+                current: next(motor.is_some_and(|motor| motor.current.is_some())),
+            }
+        })
+        .collect()
+}
+
+impl StatePlaces {
+    pub(super) fn count(self) -> usize {
+        [self.integral, self.temperature, self.deflection, self.current].into_iter().flatten().count()
+    }
+}
 
 /// The inputs of a controller and its motor at the last evaluation.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,48 +3,11 @@
 //!
 //! They follow the activations of all actuators, by actuators, in this order.
 
-use robot_dynamics_description::{ActuatorDescription, check_length};
+use robot_dynamics_description::check_length;
 
 use super::controller_memory::ControllerMemory;
 use super::law::within;
 use super::{Actuation, ActuationWorkspace};
-
-/// The places of an actuator's states among the activations.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct StatePlaces {
-    integral: Option<usize>,
-    temperature: Option<usize>,
-    deflection: Option<usize>,
-    current: Option<usize>,
-}
-
-/// Counts the states of all actuators, and returns their places.
-pub(super) fn places<'a>(actuators: impl Iterator<Item = &'a ActuatorDescription>) -> Vec<StatePlaces> {
-    let mut count = 0;
-    let mut next = |is_there: bool| {
-        is_there.then(|| {
-            count += 1;
-            count - 1
-        })
-    };
-    actuators
-        .map(|actuator| {
-            let motor = actuator.motor.as_ref();
-            StatePlaces {
-                integral: next(actuator.integral.is_some()),
-                temperature: next(motor.is_some_and(|motor| motor.winding.is_some())),
-                deflection: next(motor.is_some_and(|motor| motor.friction.is_some())),
-                current: next(motor.is_some_and(|motor| motor.current.is_some())),
-            }
-        })
-        .collect()
-}
-
-impl StatePlaces {
-    fn count(self) -> usize {
-        [self.integral, self.temperature, self.deflection, self.current].into_iter().flatten().count()
-    }
-}
 
 impl Actuation {
     /// The number of entries of the activations: one for each actuator, and then the states of controllers

@@ -50,8 +50,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 const RK4: Method = Method::Fixed(Integrator::RungeKutta4);
 
-/// The friction has a second derivative with a jump where the velocity changes its sign, so the methods are of
-/// their order only between such instants; the tolerances allow for that.
+/// The friction has a second derivative with a jump where the velocity changes its sign, so the methods are
+/// of their order only between such instants; the tolerances allow for that.
 #[test]
 fn methods_converge_to_one_motion() {
     let model = Model::new(motorized()).unwrap();
