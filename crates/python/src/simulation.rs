@@ -1,6 +1,7 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
 pub(crate) mod batch;
+mod contact_fields;
 mod energy_account;
 mod ground;
 pub(crate) mod options;

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, SimulationError, Snapshot as Kept};
 
+use super::contact_fields::ContactFields;
 use super::energy_account::{energy_account_of, losses_of};
 use super::options::Setup;
 use super::setup::{controls_of, failed_step};
@@ -26,20 +27,6 @@ pub(crate) struct Simulation {
 /// The state of a simulation with all that changes in it, made by `Simulation.snapshot`.
 #[pyclass(frozen, module = "robot_dynamics._native")]
 pub(crate) struct Snapshot(Kept, Vec<AppliedWrench>);
-
-/// A row of contacts: both links and shapes, ground, point, normal, gap, force, moment.
-type ContactFields<'py> = (
-    String,
-    String,
-    Option<String>,
-    String,
-    Option<usize>,
-    Bound<'py, PyAny>,
-    Bound<'py, PyAny>,
-    f64,
-    Bound<'py, PyAny>,
-    Bound<'py, PyAny>,
-);
 
 impl Simulation {
     /// The simulation of a robot, as it is.

@@ -193,9 +193,9 @@ fn linear(size: usize, function: impl Fn(&[f64]) -> Vec<f64>) -> (DMatrix<f64>, 
     (DMatrix::from_columns(&columns), DVector::from_vec(origin))
 }
 
-/// At random states with many active limits: the equations hold, no limit is exceeded, and the gradient is
-/// balanced by the equations and by the solution's multipliers, which are nonnegative and belong to limits
-/// at their bounds.
+/// At random states with many active limits, the equations hold and no limit is exceeded. The equations and
+/// the solution's multipliers balance the gradient. Multipliers are nonnegative and belong to limits at their
+/// bounds.
 #[test]
 fn solutions_satisfy_the_optimality_conditions() {
     let model = quadruped();
