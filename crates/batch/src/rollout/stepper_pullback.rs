@@ -102,22 +102,32 @@ pub fn rollout_pullback_by_stepper<S: Stepper + Clone + Sync>(
     let tables = [by_position, by_velocity, by_force];
     for_each_state(workspace, batch, tables, &memory, &|memory: &mut StateMemory<S>, state, results| {
         let pulled = if shared.is_cancelled() {
-            Some(None)
+            Pulled::Cancelled
         } else {
             memory.pull_back(model, rollout, (inputs, state), results, &shared)
         };
-        if let Some(Some(counts)) = pulled {
+        if let Pulled::Back(counts) = pulled {
             sum.lock().unwrap_or_else(PoisonError::into_inner).push((state, counts));
         }
-        outcome.add(u32::from(pulled.is_none()), pulled != Some(None), state..state + 1);
+        outcome.add(u32::from(pulled == Pulled::Failed), pulled != Pulled::Cancelled, state..state + 1);
     });
     outcome.into_result(batch)?;
     // In the order of the states, so that the first reason does not depend on the threads.
     let mut each = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
     each.sort_unstable_by_key(|(state, _)| *state);
     let mut counts = LinearizedSteps::default();
-    each.iter().for_each(|(_, own)| counts.add(own));
+    for (_, own) in &each {
+        counts.add(own);
+    }
     Ok(counts)
+}
+
+/// The result of one state.
+#[derive(Clone, Copy, PartialEq)]
+enum Pulled {
+    Back(LinearizedSteps),
+    Cancelled,
+    Failed,
 }
 
 /// The memory of a thread.
@@ -128,7 +138,7 @@ struct StateMemory<S> {
 }
 
 impl<S: Stepper + Clone> StateMemory<S> {
-    /// Pulls one state back. `None` if it failed, and `Some(None)` if it was cancelled.
+    /// Pulls one state back.
     fn pull_back(
         &mut self,
         model: &Model,
@@ -136,7 +146,7 @@ impl<S: Stepper + Clone> StateMemory<S> {
         (inputs, state): (&RolloutPullbackInputs<'_, f64>, usize),
         [by_position, by_velocity, by_force]: [&mut [f64]; 3],
         shared: &SharedProgress<'_>,
-    ) -> Option<Option<LinearizedSteps>> {
+    ) -> Pulled {
         let Self { workspace, cotangents: [by_q, by_v] } = self;
         let (nq, nv) = (model.nq(), model.nv());
         let at = RobotState {
@@ -150,23 +160,25 @@ impl<S: Stepper + Clone> StateMemory<S> {
         let starts = is_finite(at.q) && is_finite(at.v);
         let mut course = OneState { rollout, inputs, state, by_force: &mut *by_force, shared };
         let way = (rollout, rollout.spacing(inputs.spacing));
-        let pulled = if starts {
-            pull_back_by_stepper(model, way, &mut course, workspace, at, (by_q, by_v)).ok()
-        } else {
-            None
-        };
-        if pulled == Some(None) {
-            return pulled;
+        let mut pulled = Pulled::Failed;
+        if starts {
+            pulled = match pull_back_by_stepper(model, way, &mut course, workspace, at, (by_q, by_v)) {
+                Ok(Some(counts)) => Pulled::Back(counts),
+                Ok(None) => return Pulled::Cancelled,
+                Err(_) => Pulled::Failed,
+            };
         }
-        let is_good = pulled.is_some() && is_finite(by_q) && is_finite(by_v) && is_finite(by_force);
-        if !is_good {
+        if !(is_finite(by_q) && is_finite(by_v) && is_finite(by_force)) {
+            pulled = Pulled::Failed;
+        }
+        if pulled == Pulled::Failed {
             by_q.fill(f64::NAN);
             by_v.fill(f64::NAN);
             by_force.fill(f64::NAN);
         }
         by_position.copy_from_slice(by_q);
         by_velocity.copy_from_slice(by_v);
-        pulled.filter(|_| is_good)
+        pulled
     }
 }
 

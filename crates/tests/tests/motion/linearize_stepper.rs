@@ -221,24 +221,3 @@ fn rolling_ball_takes_five_sevenths_of_a_push() {
     let expected = 5.0 / 7.0 * H * turn.cos();
     assert!((speed - expected).abs() < 1e-2 * expected, "{speed} {expected}");
 }
-
-/// Four corners of a box that turns slide in different directions. Their friction depends on the distribution
-/// of the forces among them, which the equations do not determine. All corners of one that slides straight
-/// have the same direction.
-#[test]
-fn undetermined_forces_are_told() {
-    let (_, model, ..) = &cases()[0];
-    let ground = Ground::level(0.0).with_friction(0.6);
-    let simulation = SimulationBuilder::new(model).method(Method::Implicit).ground(ground).build().unwrap();
-    for (spin, is_determined) in [(0.0, true), (0.5, false)] {
-        let (mut q, v, w) =
-            (neutral(model), vec![0.7, 0.2, 0.0, 0.0, 0.0, spin], &mut StepWorkspace::new(model));
-        q[2] = 0.1;
-        let (mut a, mut b) = (vec![0.0; 144], vec![0.0; 72]);
-        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
-        let (forces, state) = (StepForces::new(&[0.0; 6], true), RobotState { q: &q, v: &v });
-        let method = linearize_stepper(model, &mut simulation.stepper(), w, &forces, H, state, out);
-        let is_analytic = matches!(method, Ok(LinearizationMethod::Analytic { .. }));
-        assert_eq!(is_analytic, is_determined, "{method:?}");
-    }
-}

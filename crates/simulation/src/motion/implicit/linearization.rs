@@ -142,12 +142,7 @@ impl ImplicitIntegrator {
         let mut at_transition = smooth.is_at_bound;
         if !self.record.before.is_empty() {
             let (at, targets) = ((model, &mut *workspace, &mut placement), &mut targets);
-            let found = self.add_impulses(at, (h, columns), (q0, v0), &inverse, &mut smooth, targets);
-            let Some(is_at_transition) = found else {
-                let reason = "sliding contacts whose forces are not determined";
-                return Ok(LinearizationMethod::Differences { reason });
-            };
-            at_transition |= is_at_transition;
+            at_transition |= self.add_impulses(at, (h, columns), (q0, v0), &inverse, &mut smooth, targets);
         }
 
         // The positions and the momentum at the end.
@@ -172,7 +167,7 @@ impl ImplicitIntegrator {
     }
 
     /// Adds the change by the impulses at the end of the smooth part; returns whether one of them is at a
-    /// transition, or `None` if they are not determined.
+    /// transition.
     fn add_impulses(
         &mut self,
         (model, workspace, placement): (&Model, &mut Workspace, &mut Placement),
@@ -181,7 +176,7 @@ impl ImplicitIntegrator {
         inverse: &[f64],
         smooth: &mut SmoothChange,
         targets: &mut TargetChanges,
-    ) -> Option<bool> {
+    ) -> bool {
         let SmoothChange { middle, theta, theta_change, v_change, middle_change, .. } = smooth;
         let (mut free, mut q_change) = (vec![0.0; model.nq], vec![0.0; theta_change.len()]);
         integrate(model, q0, theta, &mut free);
@@ -195,19 +190,16 @@ impl ImplicitIntegrator {
         let at = (model, &*placement);
         self.translations.restore_changes(at, &self.joints, here, speeds, targets, v_change);
         if self.record.change.is_empty() {
-            return Some(false);
+            return false;
         }
         let changes = (&q_change[..], &middle_change[..], &v_change[..]);
-        let ImpulseChange { velocity, impulse, is_at_transition, is_undetermined } = self.impulse_change(
+        let ImpulseChange { velocity, impulse, is_at_transition } = self.impulse_change(
             (model, workspace, placement),
             (h, columns),
             (q0, &free, middle),
             inverse,
             changes,
         );
-        if is_undetermined {
-            return None;
-        }
         let impulse = (&self.record.impulse[..], &impulse[..]);
         self.translations.add_changes(model, here, impulse, 1.0, targets);
         for ((change, v), way) in velocity.iter().zip(v_change).zip(&mut *theta_change) {
@@ -215,7 +207,7 @@ impl ImplicitIntegrator {
             *way += 0.5 * h * change;
         }
         self.keep_at_rest(v0, theta_change);
-        Some(is_at_transition)
+        is_at_transition
     }
 
     /// A joint that sticks and was at rest does not move, unless it had a velocity.

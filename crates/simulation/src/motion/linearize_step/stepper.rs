@@ -21,6 +21,9 @@ use crate::{StepError, StepForces, StepWorkspace, Stepper};
 /// impact divides have no analytic derivative yet: they, and all other methods, use
 /// [`linearize_by_differences`](crate::linearize_by_differences).
 ///
+/// Redundant contacts that slide in different directions do not determine their forces. The derivatives then
+/// belong to one distribution of them, and may differ from differences.
+///
 /// The stepper keeps its state, and with it the forces of the last step, which count as constant. A stepper
 /// with contacts should therefore have taken a step to (q, v).
 ///

@@ -18,10 +18,6 @@ use crate::placement::Placement;
 /// are both below this fraction of the speeds.
 const TRANSITION: f64 = 1e-8;
 
-/// A direction in which the equations leave the multipliers free changes the velocity if its effect exceeds
-/// this fraction of the effects of single multipliers.
-const UNDETERMINED: f64 = 1e-6;
-
 /// The change by the impulses.
 pub(super) struct ImpulseChange {
     /// The change of the velocity.
@@ -29,8 +25,6 @@ pub(super) struct ImpulseChange {
     /// The change of the generalized impulses of the contacts.
     pub(super) impulse: Vec<f64>,
     pub(super) is_at_transition: bool,
-    /// Whether the forces of contacts that slide, and with them the motion, are not determined.
-    pub(super) is_undetermined: bool,
 }
 
 /// A contact that slides.
@@ -116,7 +110,6 @@ impl ImplicitIntegrator {
         let mut velocity = zeros();
         multiply_changes(&[(inverse, &right)], width, &mut velocity);
 
-        let mut is_undetermined = false;
         if rows.count() > 0 {
             // The multipliers, and their effect.
             let count = rows.count();
@@ -133,19 +126,14 @@ impl ImplicitIntegrator {
             let mut delassus = vec![0.0; count * count];
             multiply_changes(&[(&rows.entries, &response)], count, &mut delassus);
             let (mut system, mut multipliers) = rows.system(&delassus, &change, columns);
-            let elimination = solve_dependent(&mut system, count, &mut multipliers, width);
-            if !rows.sliding.is_empty() {
-                elimination.each_free_direction(&system, |direction| {
-                    is_undetermined |= moves(&response, direction);
-                });
-            }
+            solve_dependent(&mut system, count, &mut multipliers, width);
             let mut more = zeros();
             multiply_changes(&[(&response, &multipliers)], width, &mut more);
             velocity.iter_mut().zip(&more).for_each(|(sum, change)| *sum += change);
             multiply_changes(&[(&transposed, &multipliers)], width, &mut more);
             impulse.iter_mut().zip(&more).for_each(|(sum, change)| *sum += change);
         }
-        ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition, is_undetermined }
+        ImpulseChange { velocity, impulse, is_at_transition: rows.is_at_transition }
     }
 
     /// The rows that act, and their state, at the velocity after the impulses.
@@ -243,18 +231,6 @@ impl ImplicitIntegrator {
         }
         entries
     }
-}
-
-/// Whether multipliers in a direction change the velocity, by more than rounding of the effect of each.
-fn moves(response: &[f64], direction: &[f64]) -> bool {
-    response.chunks_exact(direction.len()).any(|row| {
-        let (mut sum, mut most) = (0.0_f64, 0.0_f64);
-        for (entry, multiplier) in row.iter().zip(direction) {
-            sum += entry * multiplier;
-            most = most.max((entry * multiplier).abs());
-        }
-        sum.abs() > UNDETERMINED * most
-    })
 }
 
 /// −∂(M(qₘ) x)/∂qₘ.
