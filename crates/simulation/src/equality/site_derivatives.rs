@@ -11,6 +11,7 @@ use super::direction::ConstrainedDirection;
 use super::site::{Site, SitePlace};
 use crate::motion_columns::{
     MotionColumn, MotionGradient, Seeded, Six, force_derivative, motion_columns, seeded_motion, seeded_place,
+    wrench_derivative,
 };
 use crate::placement::{BodyMotion, Placement};
 
@@ -48,6 +49,11 @@ impl MovingSites {
             places,
             columns,
         }
+    }
+
+    /// Whether the row is a component of the motion of b's origin along an axis that is fixed in the world.
+    fn is_point_in_world(&self, direction: &ConstrainedDirection) -> bool {
+        self.bodies[0] == WORLD && matches!(direction, ConstrainedDirection::Shift(_))
     }
 
     /// Both places, with the derivatives by the pose of one.
@@ -89,9 +95,15 @@ impl MovingSites {
         k: usize,
         wrench: &Six,
     ) -> MotionGradient {
+        let mut gradient = MotionGradient::default();
+        if self.is_point_in_world(direction) {
+            // A v = e·ṗ and A a + Ȧv = e·p̈, with e fixed in the world.
+            gradient.velocity = wrench.map(|x| weights.rate * x);
+            gradient.acceleration = wrench.map(|x| weights.acceleration * x);
+            return gradient;
+        }
         let places = self.seeded_places(Some(k));
         let moving = self.seeded_motions(None);
-        let mut gradient = MotionGradient::default();
         if weights.rate != 0.0 {
             let rate = direction.row(&places).rate(&places, &moving);
             gradient.pose = rate.gradient.map(|x| weights.rate * x);
@@ -117,6 +129,15 @@ impl MovingSites {
         multipliers: &[f64],
         add: impl FnMut(usize, usize, f64),
     ) {
+        if directions.iter().all(|direction| self.is_point_in_world(direction)) {
+            // A force on a point keeps its components.
+            let mut sum = [0.0; 6];
+            for (direction, multiplier) in directions.iter().zip(multipliers) {
+                let [_, on_b] = direction.row(&self.places).wrenches(&self.places).map(six);
+                sum.iter_mut().zip(on_b).for_each(|(sum, x)| *sum += multiplier * x);
+            }
+            return wrench_derivative(&self.columns[1], &sum, add);
+        }
         let wrenches = |variable: usize| {
             let places = self.seeded_places(Some(variable));
             let mut sum = vec![[Seeded::constant(0.0); 6]; 2];
