@@ -20,7 +20,7 @@ const REGULARIZATION: f64 = 1e-8;
 const STATIONARITY: f64 = 1e-11;
 
 /// A limit of which N keeps less than this fraction is determined by the equations and the levels before.
-const FREEDOM: f64 = 1e-10;
+const FREEDOM: f64 = 1e-8;
 
 /// The most proximal steps.
 const PROXIMAL_STEPS: usize = 6;
@@ -202,7 +202,15 @@ impl Levels {
             last.clone_from(z);
             shifted.clear();
             shifted.extend(gradient.iter().zip(&*last).map(|(g, z)| g - added * z));
-            self.steps += solver.solve(shifted, bounds, z).map_err(failed)?;
+            match solver.solve(shifted, bounds, z) {
+                Ok(steps) => self.steps += steps,
+                // z = 0 satisfies the limits after the first level, so this is rounding.
+                Err(QuadraticProgramError::Infeasible { .. }) if index > 0 => {
+                    z.fill(0.0);
+                    break;
+                }
+                Err(error) => return Err(failed(error)),
+            }
             let largest = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
             let change = z.iter().zip(&*last).fold(0.0, |most: f64, (z, last)| most.max((z - last).abs()));
             if change <= STATIONARITY * (1.0 + largest) {
