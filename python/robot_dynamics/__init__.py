@@ -29,6 +29,7 @@ from robot_dynamics._native import (
     num_threads,
     set_num_threads,
 )
+from robot_dynamics import optimal
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
@@ -168,6 +169,7 @@ __all__ = [
     "load",
     "loads",
     "num_threads",
+    "optimal",
     "random_robot",
     "set_num_threads",
 ]

@@ -22,7 +22,7 @@ _JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -372,6 +372,52 @@ class JointMap:
     @property
     def v_indices(self) -> list[int]:
         """The indices of the part's v in the whole robot's v."""
+
+@final
+class OptimalMpc:
+    """The native half of `robot_dynamics.optimal.Mpc`."""
+    def __new__(cls, problem: OptimalProblem, options: _Record, iterations: int, time_budget: float | None) -> Self: ...
+    def _next_controls(self, state: object) -> _Array:
+        """See `step`."""
+    def _plan(self) -> _Record:
+        """See `plan`."""
+    def _set_running_cost(self, first: int, end: int, terms: Sequence[object]) -> None:
+        """See `set_running_cost`."""
+    def _set_terminal_cost(self, terms: Sequence[object]) -> None:
+        """See `set_terminal_cost`."""
+    def _times(self) -> tuple[int, float, float, float, int]:
+        """See `times`."""
+
+@final
+class OptimalProblem:
+    """The native half of `robot_dynamics.optimal.Problem`."""
+    def __new__(cls, dynamics: object, initial_state: object, nodes: int) -> Self: ...
+    def _add_constraint(self, first: int, end: int, residual: object, lower: object, upper: object) -> None:
+        """See `add_constraint`."""
+    def _add_terminal_constraint(self, residual: object, lower: object, upper: object) -> None:
+        """See `add_terminal_constraint`."""
+    def _set_control_bounds(self, first: int, end: int, lower: object, upper: object) -> None:
+        """See `set_control_bounds`."""
+    def _set_dynamics(self, first: int, end: int, dynamics: object) -> None:
+        """See `set_dynamics`."""
+    def _set_effort_limits(self, first: int, end: int) -> None:
+        """See `set_effort_limits`."""
+    def _set_initial_state(self, initial_state: object) -> None:
+        """See `set_initial_state`."""
+    def _set_running_cost(self, first: int, end: int, terms: Sequence[object]) -> None:
+        """See `set_running_cost`."""
+    def _set_terminal_cost(self, terms: Sequence[object]) -> None:
+        """See `set_terminal_cost`."""
+    def _sizes(self) -> tuple[int, int]:
+        """(nq, nv), or (0, n) for plain numbers."""
+    def _solve(self, options: _Record, constraint_tolerance: float, rows: tuple[Sequence[object] | None, Sequence[object] | None], callback: Callable[[tuple[Any, ...]], object] | None) -> _Record:
+        """See `solve`."""
+    @property
+    def controls(self) -> list[int]:
+        """Number of controls of each node (N,)."""
+    @property
+    def nodes(self) -> int:
+        """Number of nodes N; a trajectory has N + 1 states."""
 
 @disjoint_base
 class Robot:

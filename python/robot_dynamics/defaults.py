@@ -36,6 +36,21 @@ AUDIT_STATES: Final[int] = _VALUES["audit_states"]
 AUDIT_SEED: Final[int] = _VALUES["audit_seed"]
 """Seed of the random states of an audit."""
 
+OPTIMAL_MAX_ITERATIONS: Final[int] = _VALUES["optimal_max_iterations"]
+"""Largest number of iterations of a solver of optimal control."""
+
+OPTIMAL_GRADIENT_TOLERANCE: Final[float] = _VALUES["optimal_gradient_tolerance"]
+"""Largest derivative of the Lagrangian by a control at a solution."""
+
+OPTIMAL_DEFECT_TOLERANCE: Final[float] = _VALUES["optimal_defect_tolerance"]
+"""Largest entry of a defect of the dynamics at a solution."""
+
+OPTIMAL_DECREASE_TOLERANCE: Final[float] = _VALUES["optimal_decrease_tolerance"]
+"""Predicted relative decrease of the cost below which a solver ends."""
+
+OPTIMAL_CONSTRAINT_TOLERANCE: Final[float] = _VALUES["optimal_constraint_tolerance"]
+"""Largest violation of a constraint at a solution."""
+
 GENERATED_FUNCTIONS: Final[tuple[str, ...]] = tuple(_VALUES["generated_functions"])
 """Functions of generated code."""
 

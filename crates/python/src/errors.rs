@@ -7,6 +7,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::RolloutError;
 use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::optimal::OptimalControlError;
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
 };
@@ -62,6 +63,7 @@ impl Class {
             (TypeId::of::<ConstraintError>(), Self::Constraint),
             (TypeId::of::<ControllerError>(), Self::Control),
             (TypeId::of::<DlqrError>(), Self::Control),
+            (TypeId::of::<OptimalControlError>(), Self::Control),
             (TypeId::of::<InverseKinematicsError>(), Self::InverseKinematics),
             (TypeId::of::<ParameterizationError>(), Self::Planning),
             (TypeId::of::<IdentificationError>(), Self::Identification),

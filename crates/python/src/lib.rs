@@ -58,6 +58,7 @@ mod fluid;
 mod identification;
 mod linearization;
 mod numbers;
+mod optimal;
 mod parameters;
 mod planning;
 mod pullback;
@@ -100,6 +101,10 @@ mod native {
     use super::files::{_html, _random_robot, _visible, _write_text};
     #[pymodule_export]
     use super::identification::BaseParameters;
+    #[pymodule_export]
+    use super::optimal::mpc::OptimalMpc;
+    #[pymodule_export]
+    use super::optimal::problem::OptimalProblem;
     #[pymodule_export]
     use super::robot::{Robot, example_text};
     #[pymodule_export]

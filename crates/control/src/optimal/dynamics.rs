@@ -74,3 +74,30 @@ impl Clone for Box<dyn DiscreteDynamics> {
         (**self).boxed_clone()
     }
 }
+
+impl DiscreteDynamics for Box<dyn DiscreteDynamics> {
+    fn state_space(&self) -> &StateSpace {
+        (**self).state_space()
+    }
+
+    fn controls(&self) -> usize {
+        (**self).controls()
+    }
+
+    fn step(&mut self, x: &[f64], u: &[f64], next: &mut [f64]) -> Result<(), StepError> {
+        (**self).step(x, u, next)
+    }
+
+    fn linearize(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        derivatives: LinearizedDynamics<'_>,
+    ) -> Result<(), StepError> {
+        (**self).linearize(x, u, derivatives)
+    }
+
+    fn boxed_clone(&self) -> Box<dyn DiscreteDynamics> {
+        (**self).boxed_clone()
+    }
+}

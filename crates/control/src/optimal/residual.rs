@@ -78,3 +78,31 @@ impl Clone for Box<dyn Residual> {
         (**self).boxed_clone()
     }
 }
+
+impl Residual for Box<dyn Residual> {
+    fn dimension(&self) -> usize {
+        (**self).dimension()
+    }
+
+    fn expects(&self) -> ResidualInputs {
+        (**self).expects()
+    }
+
+    fn evaluate(&mut self, x: &[f64], u: &[f64], residual: &mut [f64]) -> Result<(), StepError> {
+        (**self).evaluate(x, u, residual)
+    }
+
+    fn linearize(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        residual: &mut [f64],
+        jacobian: ResidualJacobian<'_>,
+    ) -> Result<(), StepError> {
+        (**self).linearize(x, u, residual, jacobian)
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Residual> {
+        (**self).boxed_clone()
+    }
+}

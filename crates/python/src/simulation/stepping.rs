@@ -34,6 +34,16 @@ impl Simulation {
         let wrenches = stepped.wrenches().to_vec();
         Self { robot, stepped, wrenches }
     }
+
+    /// The robot.
+    pub(crate) fn shared_robot(&self, py: Python<'_>) -> Py<Robot> {
+        self.robot.clone_ref(py)
+    }
+
+    /// The simulation of the library.
+    pub(crate) fn stepped(&self) -> &Stepped {
+        &self.stepped
+    }
 }
 
 #[pymethods]

@@ -1,0 +1,129 @@
+//! The dynamics of a node, from the objects of `robot_dynamics.optimal`.
+
+use std::sync::Arc;
+
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use robot_dynamics::control::optimal::{
+    ActuationMatrix, DiscreteDynamics, LinearDynamics, SimulationStep, SmoothStep,
+};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::Integrator;
+
+use super::raised;
+use super::space::Space;
+use crate::errors::{Class, exception};
+use crate::numbers::{matrix, shaped};
+use crate::robot::Robot;
+use crate::simulation::stepping::Simulation;
+
+/// The dynamics that an object describes, and the space of its states.
+pub(super) fn dynamics_of(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    known: Option<&Space>,
+) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
+    let kind = object.getattr("_kind").and_then(|kind| kind.extract::<String>());
+    match kind.as_deref() {
+        Ok("smooth_step") => smooth_step(py, object, known),
+        Ok("simulation_step") => simulation_step(py, object, known),
+        Ok("linear") => linear(py, object),
+        _ => Err(PyTypeError::new_err(format!(
+            "the dynamics must be a SmoothStep, SimulationStep or LinearDynamics of robot_dynamics.optimal, got {}",
+            object.get_type().name()?
+        ))),
+    }
+}
+
+fn smooth_step(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    known: Option<&Space>,
+) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
+    let robot = object.getattr("robot")?.cast_into::<Robot>()?.unbind();
+    let model = shared_model(&robot.get().model, known);
+    let name: String = object.getattr("integrator")?.extract()?;
+    let integrator = integrator_of(py, &name)?;
+    let (dt, dissipation) = (object.getattr("dt")?.extract()?, object.getattr("dissipation")?.extract()?);
+    let step = SmoothStep::new(Arc::clone(&model), integrator, dt).map_err(exception)?;
+    let step = step.with_dissipation(dissipation);
+    let step = match actuation_of(py, object, &model)? {
+        Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error))?,
+        None => step,
+    };
+    Ok((Box::new(step), Space::of_robot(robot, model)))
+}
+
+fn simulation_step(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    known: Option<&Space>,
+) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
+    let simulation = object.getattr("simulation")?.cast_into::<Simulation>()?;
+    let simulation = simulation.borrow();
+    let robot = simulation.shared_robot(py);
+    let model = shared_model(&robot.get().model, known);
+    let step = SimulationStep::new(simulation.stepped());
+    let step = match actuation_of(py, object, &model)? {
+        Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error))?,
+        None => step,
+    };
+    Ok((Box::new(step), Space::of_robot(robot, model)))
+}
+
+fn linear(py: Python<'_>, object: &Bound<'_, PyAny>) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
+    let (a, b) = (matrix(py, "a", &object.getattr("a")?)?, matrix(py, "b", &object.getattr("b")?)?);
+    let n = a.nrows();
+    let dynamics = LinearDynamics::new(a, b).map_err(|error| raised(py, error))?;
+    let offset = object.getattr("offset")?;
+    let dynamics = if offset.is_none() {
+        dynamics
+    } else {
+        let (_, offset) = shaped(py, "offset", &offset, &[n])?;
+        dynamics.with_offset(&offset).map_err(|error| raised(py, error))?
+    };
+    Ok((Box::new(dynamics), Space::vector(n)))
+}
+
+/// The model that all parts of a problem share.
+fn shared_model(model: &Model, known: Option<&Space>) -> Arc<Model> {
+    let known = known.and_then(|space| space.states.model());
+    match known {
+        Some(own) if own.fingerprint() == model.fingerprint() => Arc::clone(own),
+        _ => Arc::new(model.clone()),
+    }
+}
+
+/// An integrator by its name.
+fn integrator_of(py: Python<'_>, name: &str) -> PyResult<Integrator> {
+    Integrator::from_name(name).map_err(|_| {
+        let names: Vec<&str> = Integrator::ALL.iter().map(|row| row.name()).collect();
+        let said = format!(
+            "there is no integrator {name:?} of a SmoothStep; there are {}. Other methods are dynamics by SimulationStep",
+            names.join(", ")
+        );
+        Class::SimulationInput.error(py, said)
+    })
+}
+
+/// S of an object with `actuation`: `None` for τ = u.
+fn actuation_of(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    model: &Model,
+) -> PyResult<Option<ActuationMatrix>> {
+    let given = object.getattr("actuation")?;
+    if given.is_none() {
+        return Ok(None);
+    }
+    if let Ok(word) = given.extract::<String>() {
+        if word == "motors" {
+            return Ok(Some(ActuationMatrix::actuated(model)));
+        }
+        return Err(PyValueError::new_err(format!(
+            "actuation = {word:?} must be None (a control for each coordinate), \"motors\", or a matrix (nv, controls)"
+        )));
+    }
+    let (shape, entries) = shaped(py, "actuation", &given, &[model.nv(), usize::MAX])?;
+    ActuationMatrix::new(shape[0], shape[1], &entries).map(Some).map_err(|error| raised(py, error))
+}

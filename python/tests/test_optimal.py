@@ -1,0 +1,282 @@
+"""Optimal control, against the Riccati recursion, numerical derivatives and the motions of the robot itself."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import robot_dynamics as rd
+from robot_dynamics import optimal as oc
+
+Array = NDArray[np.float64]
+
+A = np.array([[1.0, 0.1], [0.0, 1.0]])
+B = np.array([[0.005], [0.1]])
+
+
+def mass(nodes: int = 30) -> oc.Problem:
+    """A mass of 1 kg that shall come to rest at the origin."""
+    problem = oc.Problem(oc.LinearDynamics(A, B), [1.0, 0.0], nodes=nodes)
+    problem.set_running_cost(
+        oc.LeastSquares(oc.StateResidual([0.0, 0.0]), [1.0, 0.1]), oc.LeastSquares(oc.ControlResidual(), 0.01)
+    )
+    problem.set_terminal_cost(oc.LeastSquares(oc.StateResidual([0.0, 0.0]), [10.0, 10.0]))
+    return problem
+
+
+def test_linear_problem_is_solved_by_the_riccati_recursion() -> None:
+    q, r, p = np.diag([1.0, 0.1]), np.array([[0.01]]), np.diag([10.0, 10.0])
+    gains: list[Array] = []
+    for _ in range(30):
+        gain = -np.linalg.solve(r + B.T @ p @ B, B.T @ p @ A)
+        p = q + A.T @ p @ (A + B @ gain)
+        gains.insert(0, gain)
+    solution = mass().solve()
+    x, cost = np.array([1.0, 0.0]), 0.0
+    for k, gain in enumerate(gains):
+        u = gain @ x
+        # The solver regularises by 1e-9, relative to Quu of about 0.02.
+        assert np.allclose(solution.controls[k], u, atol=1e-6)
+        assert np.allclose(solution.gains[k], gain, atol=1e-6)
+        cost += 0.5 * float(x @ q @ x + u @ r @ u)
+        x = A @ x + B @ u
+    assert solution.is_solved
+    assert np.isclose(solution.cost, cost + 5.0 * float(x @ x), rtol=1e-9)
+    assert solution.states.shape == (31, 2) and solution.q.shape == (31, 0)
+
+
+def test_controls_keep_their_bounds() -> None:
+    problem = mass()
+    problem.set_control_bounds(-0.5, 0.5)
+    solution = problem.solve()
+    controls, gains = np.asarray(solution.controls), np.asarray(solution.gains)
+    assert solution.is_solved
+    assert np.abs(controls).max() == 0.5
+    assert np.all(gains[np.abs(controls[:, 0]) == 0.5] == 0.0)
+
+
+def test_terminal_constraint_is_satisfied() -> None:
+    problem = oc.Problem(oc.LinearDynamics(A, B), [0.0, 0.0], nodes=20)
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual()))
+    problem.add_terminal_constraint(oc.StateResidual([1.0, 0.0]), 0.0, 0.0)
+    solution = problem.solve()
+    assert solution.is_solved and solution.violation < 1e-6
+    u = np.asarray(solution.controls)[:, 0]
+    # The least effort is linear in time and antisymmetric.
+    assert np.allclose(u, -u[::-1], atol=1e-4)
+    assert np.allclose(np.diff(u, 2), 0.0, atol=1e-4)
+
+
+def reach() -> tuple[rd.Robot, oc.Problem, Array]:
+    """A reach of a Panda's hand."""
+    robot = rd.example("panda")
+    q = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+    goal = robot.frame_pose(q, "panda_link8")[:3, 3] + [0.1, 0.1, -0.1]
+    problem = oc.Problem(oc.SmoothStep(robot, dt=0.01), (q, np.zeros(7)), nodes=50)
+    problem.set_running_cost(
+        oc.LeastSquares(oc.ControlResidual(robot.gravity(q)), 1e-4),
+        oc.LeastSquares(oc.StateResidual((q, np.zeros(7))), [0.0] * 7 + [1e-2] * 7),
+    )
+    problem.set_terminal_cost(
+        oc.LeastSquares(oc.FrameTranslationResidual("panda_link8", goal), 1e4),
+        oc.LeastSquares(oc.FrameVelocityResidual("panda_link8"), 1.0),
+    )
+    return robot, problem, goal
+
+
+def test_hand_reaches_its_target_within_the_effort_limits() -> None:
+    robot, problem, goal = reach()
+    problem.set_effort_limits()
+    seen: list[oc.Iteration] = []
+    solution = problem.solve(callback=seen.append)
+    assert solution.is_solved
+    assert np.linalg.norm(robot.frame_pose(solution.q[-1], "panda_link8")[:3, 3] - goal) < 5e-3
+    assert [one.iteration for one in seen] == list(range(len(seen)))
+    assert seen == solution.log
+    # The trajectory is a motion of the robot.
+    q, v = solution.q[0], solution.v[0]
+    for k in range(50):
+        q, v = robot.step(q, v, solution.controls[k], dt=0.01, integrator="semi-implicit-euler", stops=False)
+        assert np.allclose(np.concatenate([q, v]), solution.states[k + 1], atol=1e-8)
+
+
+def test_solution_is_a_start() -> None:
+    _, problem, _ = reach()
+    first = problem.solve()
+    again = problem.solve(first)
+    assert len(again.log) <= 2 < len(first.log)
+    assert np.isclose(again.cost, first.cost, rtol=1e-9)
+    rolled = problem.solve(controls=first.controls)
+    assert np.isclose(rolled.cost, first.cost, rtol=1e-9)
+
+
+def test_callback_ends_the_solver() -> None:
+    _, problem, _ = reach()
+    solution = problem.solve(callback=lambda one: one.iteration == 1)
+    assert solution.termination == "interrupted" and len(solution.log) == 2 and not solution.is_solved
+
+
+@pytest.mark.parametrize("has_derivatives", [False, True])
+def test_function_of_python_is_a_residual(has_derivatives: bool) -> None:
+    """At the solution, the cost by the robot's own steps is stationary."""
+    robot = rd.example("quadruped", floating_base=True)
+    q = robot.neutral()
+    target = robot.integrate(q, np.linspace(-0.05, 0.05, robot.nv))
+
+    def position(q: Array, v: Array, u: Array) -> Array:
+        # The height of the base, the numbers x y z of its quaternion, and the legs.
+        return np.concatenate([q[2:6] - target[2:6], q[7:] - target[7:]])
+
+    def derivatives(q: Array, v: Array, u: Array) -> tuple[Array, Array]:
+        rows = np.delete(np.eye(robot.nq), [0, 1, 6], axis=0)
+        return np.hstack([rows, np.zeros((len(rows), robot.nv))]), np.zeros((len(rows), len(u)))
+
+    given = derivatives if has_derivatives else None
+    residual = oc.FunctionResidual(position, robot.nq - 3, derivatives=given)
+    step = oc.SmoothStep(robot, dt=0.02, dissipation=False)
+    problem = oc.Problem(step, (q, np.zeros(robot.nv)), nodes=5)
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-4))
+    problem.set_terminal_cost(oc.LeastSquares(residual, 100.0))
+    solution = problem.solve()
+    assert solution.is_solved
+    u = np.array(solution.controls)
+
+    def cost(u: Array) -> float:
+        q, v = solution.q[0], solution.v[0]
+        for one in u:
+            q, v = robot.step(q, v, one, dt=0.02, integrator="semi-implicit-euler", conservative=True)
+        return 5e-5 * float(np.sum(u**2)) + 50.0 * float(np.sum(position(q, v, u[-1]) ** 2))
+
+    assert np.isclose(cost(u), solution.cost, rtol=1e-8)
+    for node, k in [(0, 3), (2, 10), (4, 17)]:
+        moved = np.zeros_like(u)
+        moved[node, k] = 1e-3
+        # The tolerance of the gradient is 1e-6. The difference adds its third derivative and rounding.
+        assert abs(cost(u + moved) - cost(u - moved)) / 2e-3 < 1e-5
+
+
+def test_function_of_jax_is_a_residual() -> None:
+    jax = pytest.importorskip("jax")
+    before = jax.config.jax_enable_x64
+    try:
+        jax.config.update("jax_enable_x64", False)
+        with pytest.raises(ValueError, match="64-bit"):
+            oc.FunctionResidual.of_jax(lambda x, u: x, 2)
+        jax.config.update("jax_enable_x64", True)
+        problem, same = mass(), mass()
+        problem.set_terminal_cost(oc.LeastSquares(oc.FunctionResidual.of_jax(lambda x, u: jax.numpy.sin(x), 2), 10.0))
+        same.set_terminal_cost(oc.LeastSquares(oc.FunctionResidual(lambda x, u: np.sin(x), 2), 10.0))
+        first, second = problem.solve(), same.solve()
+        assert np.allclose(first.controls, second.controls, atol=1e-6)
+    finally:
+        jax.config.update("jax_enable_x64", before)
+
+
+def test_errors_of_functions_are_raised_as_they_are() -> None:
+    def missing(x: Array, u: Array) -> Array:
+        raise KeyError("missing")
+
+    problem = mass()
+    problem.set_terminal_cost(oc.LeastSquares(oc.FunctionResidual(missing, 1)))
+    with pytest.raises(KeyError):
+        problem.solve()
+
+    def ended(one: oc.Iteration) -> bool:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        mass().solve(callback=ended)
+
+
+def test_block_is_pushed_by_contact() -> None:
+    """The derivatives through friction find the push that leaves a sliding block at its goal."""
+    robot = rd.loads(
+        '<mujoco><worldbody><geom type="plane" size="5 5 1" friction="0.3"/><body pos="0 0 0.1"><freejoint/>'
+        '<geom type="box" size="0.1 0.1 0.1" mass="1" friction="0.3"/></body></worldbody></mujoco>'
+    )
+    simulation = rd.Simulation(robot, dt=0.01, integrator="implicit", ground="file")
+    push = np.eye(6)[:, :1]
+    problem = oc.Problem(oc.SimulationStep(simulation, actuation=push), (simulation.q, np.zeros(6)), nodes=40)
+    goal = simulation.q + np.array([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    weights = [1e3] + [0.0] * 5 + [10.0] + [0.0] * 5
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-4))
+    problem.set_terminal_cost(oc.LeastSquares(oc.StateResidual((goal, np.zeros(6))), weights))
+    # A start that moves the block, because a block at rest has no slope.
+    solution = problem.solve(controls=np.full((40, 1), 6.0))
+    assert abs(solution.q[-1, 0] - goal[0]) < 0.01
+    # The simulation takes the same way.
+    simulation.reset()
+    for u in solution.controls:
+        simulation.torques = push @ u
+        simulation.step()
+    assert abs(simulation.q[0] - goal[0]) < 0.011
+
+
+def test_controller_brings_the_mass_to_rest_and_follows_a_new_target() -> None:
+    problem = mass()
+    problem.set_control_bounds(-0.5, 0.5)
+    mpc, x = oc.Mpc(problem, time_budget=60.0), np.array([1.0, 0.0])
+    with pytest.raises(rd.ControlError, match="first step"):
+        _ = mpc.plan
+    for _ in range(100):
+        u = mpc.step(x)
+        assert abs(u[0]) <= 0.5
+        x = A @ x + B @ u
+    assert np.linalg.norm(x) < 1e-2
+    target = oc.LeastSquares(oc.StateResidual([0.5, 0.0]), [1.0, 0.1])
+    mpc.set_running_cost(target, oc.LeastSquares(oc.ControlResidual(), 0.01))
+    mpc.set_terminal_cost(oc.LeastSquares(oc.StateResidual([0.5, 0.0]), 10.0))
+    for _ in range(100):
+        x = A @ x + B @ mpc.step(x)
+    assert np.abs(x - [0.5, 0.0]).max() < 1e-2
+    assert mpc.times.periods == 199 and mpc.times.over_budget == 0
+    assert 0.0 < mpc.times.median <= mpc.times.percentile_99_9 <= mpc.times.longest
+    assert mpc.plan.states.shape == (31, 2)
+
+
+def test_wrong_parts_are_refused() -> None:
+    robot = rd.example("panda")
+    step = oc.SmoothStep(robot)
+    with pytest.raises(TypeError, match="SmoothStep, SimulationStep or LinearDynamics"):
+        oc.Problem(robot, np.zeros(14), nodes=5)  # type: ignore[arg-type]
+    with pytest.raises(rd.ShapeError, match=r"\(14,\), or be a pair \(q, v\)"):
+        oc.Problem(step, np.zeros(7), nodes=5)
+    with pytest.raises(rd.ControlError, match="needs a node"):
+        oc.Problem(step, np.zeros(14), nodes=0)
+    with pytest.raises(rd.SimulationInputError, match="SimulationStep"):
+        oc.Problem(oc.SmoothStep(robot, integrator="implicit"), np.zeros(14), nodes=5)
+    with pytest.raises(ValueError, match="motors"):
+        oc.Problem(oc.SmoothStep(robot, actuation="all"), np.zeros(14), nodes=5)
+    problem = oc.Problem(step, np.zeros(14), nodes=5)
+    with pytest.raises(rd.FrameError):
+        problem.set_terminal_cost(oc.LeastSquares(oc.FrameTranslationResidual("wrist", np.zeros(3))))
+    with pytest.raises(rd.ShapeError, match="target position"):
+        problem.set_terminal_cost(oc.LeastSquares(oc.FrameTranslationResidual("panda_link8", np.zeros(2))))
+    with pytest.raises(rd.ShapeError, match="target controls"):
+        problem.set_terminal_cost(oc.LeastSquares(oc.ControlResidual([1.0])))
+    with pytest.raises(rd.ControlError, match="weight 0"):
+        problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), -1.0))
+    with pytest.raises(IndexError, match="0 to 4"):
+        problem.set_running_cost(nodes=5)
+    with pytest.raises(TypeError, match="LeastSquares"):
+        problem.set_running_cost(oc.ControlResidual())  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="states need controls"):
+        problem.solve(states=np.zeros((6, 14)))
+    with pytest.raises(rd.ControlError, match="needs a robot"):
+        mass().set_terminal_cost(oc.LeastSquares(oc.CenterOfMassResidual(np.zeros(3))))
+    floating = rd.example("quadruped", floating_base=True)
+    start = (floating.neutral(), np.zeros(floating.nv))
+    with pytest.raises(rd.ControlError, match="12 motors"):
+        oc.Problem(oc.SmoothStep(floating), start, nodes=2).set_effort_limits()
+    oc.Problem(oc.SmoothStep(floating, actuation="motors"), start, nodes=2).set_effort_limits()
+
+
+def test_nodes_may_have_different_controls() -> None:
+    problem = mass(10)
+    problem.set_dynamics(oc.LinearDynamics(A, np.eye(2)), nodes=slice(5, None))
+    assert problem.controls == [1] * 5 + [2] * 5
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual([0.0, 0.0]), [1.0, 2.0]), nodes=range(5, 10))
+    with pytest.raises(rd.ControlError, match="different numbers of controls"):
+        problem.set_running_cost(oc.LeastSquares(oc.ControlResidual()))
+    solution = problem.solve()
+    assert [u.shape for u in solution.controls] == [(1,)] * 5 + [(2,)] * 5
+    assert solution.is_solved
