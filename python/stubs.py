@@ -42,6 +42,8 @@ _Three: TypeAlias = Sequence[float]
 _JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
+# States and controls by node.
+_Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 '''
 
 # Types of arguments by name; all others are arrays of numbers.
@@ -172,7 +174,9 @@ OF_CALL = {
     ("_next_controls", "state"): "object",
     ("_set_control_bounds", "lower"): "object",
     ("_set_control_bounds", "upper"): "object",
-    ("_solve", "rows"): "tuple[Sequence[object] | None, Sequence[object] | None]",
+    ("OptimalMpc", "rows"): "_Rows",
+    ("_sample", "rows"): "_Rows",
+    ("_solve", "rows"): "_Rows",
     ("_add", "joint"): "_JointWords | None",
     ("_add", "pose"): "Numbers",
     ("_add_mesh", "density"): "float | None",
@@ -334,6 +338,7 @@ RETURNS = {
     "_set_initial_state": "None",
     "_set_running_cost": "None",
     "_set_terminal_cost": "None",
+    "_sample": "_Record",
     "_sizes": "tuple[int, int]",
     "_solve": "_Record",
     "_times": "tuple[int, float, float, float, int]",

@@ -95,6 +95,50 @@ def push_block(nodes: int) -> tuple[oc.Solution, float, Array]:
     return problem.solve(controls=np.full((nodes, 1), 6.0)), dt, goal
 
 
+FEET = ("front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot")
+
+
+def jump(nodes: int) -> tuple[oc.Solution, float, rd.Robot, float]:
+    """A quadruped pushes off, flies, and lands where it stood; feet hold in the first and the last third."""
+    robot, dt, height = rd.example("quadruped", floating_base=True), 0.9 / nodes, 0.2
+    q = robot.neutral()
+    for joint in robot.joints:
+        if joint.name.endswith(("hip_pitch", "knee")):
+            q[joint.q] = 0.7 if joint.name.endswith("hip_pitch") else -1.4
+    q[2] -= robot.frame_pose(q, FEET[0])[2, 3]
+    rest, places = (q, np.zeros(robot.nv)), {foot: robot.frame_pose(q, foot)[:3, 3] for foot in FEET}
+    feet = robot.constraints({foot: rd.PointContact(foot, place) for foot, place in places.items()})
+    push = oc.HeldContactStep(robot, feet, dt=dt, damping=20.0, actuation="motors")
+    flight = oc.SmoothStep(robot, dt=dt, dissipation=False, actuation="motors")
+    third = nodes // 3
+    problem = oc.Problem(push, rest, nodes=nodes)
+    in_air, lands = range(third, 2 * third), 2 * third
+    problem.set_dynamics(flight, nodes=in_air)
+    problem.set_dynamics(oc.ImpactStep(robot, feet), nodes=lands)
+    # Torques that hold the robot still: the rows of the base give the forces of the feet.
+    rows, gravity = robot.constraint_rows(feet, q).matrix, robot.gravity(q)
+    forces = np.linalg.lstsq(rows[:, :6].T, gravity[:6], rcond=None)[0]
+    holding = (gravity - rows.T @ forces)[6:]
+    weights = np.concatenate([np.zeros(6), np.full(robot.nv - 6, 0.1), np.full(robot.nv, 0.01)])
+    posture = oc.LeastSquares(oc.StateResidual(rest), weights * dt)
+    friction = [oc.LeastSquares(oc.FrictionPyramidResidual(push, foot, 0.7), 0.1 * dt, lower=0.0) for foot in FEET]
+    effort = oc.LeastSquares(oc.ControlResidual(), 1e-3 * dt)
+    for phase in (range(0, third), range(lands + 1, nodes)):
+        problem.set_running_cost(effort, posture, *friction, nodes=phase)
+    problem.set_running_cost(effort, posture, nodes=in_air)
+    apex = robot.center_of_mass(q) + [0.0, 0.0, height]
+    middle = third + third // 2
+    problem.set_running_cost(effort, oc.LeastSquares(oc.CenterOfMassResidual(apex), 1e4), nodes=middle)
+    landing = [oc.LeastSquares(oc.FrameTranslationResidual(foot, place), 1e5) for foot, place in places.items()]
+    problem.set_running_cost(*landing, nodes=lands)
+    problem.set_terminal_cost(oc.LeastSquares(oc.StateResidual(rest), 100.0))
+    problem.set_effort_limits(nodes=range(0, lands))
+    problem.set_effort_limits(nodes=range(lands + 1, nodes))
+    still = [np.zeros(0) if k == lands else np.zeros(12) if k in in_air else holding for k in range(nodes)]
+    states = [np.concatenate(rest)] * (nodes + 1)
+    return problem.solve(states=states, controls=still, max_iterations=300), dt, robot, height
+
+
 def stand(periods: int) -> tuple[Array, Array, oc.MpcTimes, float]:
     """A humanoid is pushed; a model predictive controller keeps it on its feet.
 
@@ -120,7 +164,8 @@ def stand(periods: int) -> tuple[Array, Array, oc.MpcTimes, float]:
     problem.set_running_cost(rest, balance, oc.LeastSquares(oc.ControlResidual(), 1e-5))
     problem.set_terminal_cost(rest, balance)
     problem.set_effort_limits()
-    mpc = oc.Mpc(problem, iterations=1, max_iterations=20)
+    holding = robot.gravity(q)[motors]
+    mpc = oc.Mpc(problem, problem.solve(controls=[holding] * problem.nodes, max_iterations=20), iterations=1)
     simulation = rd.Simulation(robot, dt=dt / substeps, integrator="implicit", ground=rd.Ground())
     simulation.reset(q)
     heights, pushes = [], []

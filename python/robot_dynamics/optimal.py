@@ -23,12 +23,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native, defaults
+from robot_dynamics._native import Constraints
 from robot_dynamics.numbers import Numbers, ReferenceFrame
 
 if TYPE_CHECKING:
@@ -81,6 +82,45 @@ class SimulationStep:
 
 
 @dataclass(frozen=True, eq=False)
+class HeldContactStep:
+    """Step of semi-implicit Euler with held contacts, such as the feet of a phase of a gait.
+
+    M a + C v + g = S u + Aᵀλ with A a = −Ȧv − d A v − p φ. The contacts are held for the whole phase: λ may pull
+    and slip. `FrictionPyramidResidual` in a cost or a constraint keeps it within friction. Damping and friction
+    of the joints are not included.
+    """
+
+    _kind: ClassVar[str] = "held_contact_step"
+
+    robot: Robot
+    """Robot that moves."""
+    constraints: Constraints
+    """Held rows."""
+    dt: float = field(default=defaults.DT, kw_only=True)
+    """Step size [s]."""
+    damping: float = field(default=0.0, kw_only=True)
+    """d [1/s]; below about 2/dt."""
+    stiffness: float = field(default=0.0, kw_only=True)
+    """p [1/s²]; with 0 a contact is held where it is."""
+    actuation: Numbers | str | None = field(default=None, kw_only=True)
+    """S, as in `SmoothStep`."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImpactStep:
+    """Impact on contacts: q′ = q, v′ = v + M⁻¹Aᵀι with A v′ = −e A v. It has no controls."""
+
+    _kind: ClassVar[str] = "impact_step"
+
+    robot: Robot
+    """Robot that lands."""
+    constraints: Constraints
+    """Rows of the contacts that close."""
+    restitution: float = field(default=0.0, kw_only=True)
+    """e, from 0 to 1; 0 for contacts that hold."""
+
+
+@dataclass(frozen=True, eq=False)
 class LinearDynamics:
     """x′ = A x + B u + c on plain numbers."""
 
@@ -94,7 +134,7 @@ class LinearDynamics:
     """c (n,); default: zeros."""
 
 
-Dynamics: TypeAlias = SmoothStep | SimulationStep | LinearDynamics
+Dynamics: TypeAlias = SmoothStep | SimulationStep | HeldContactStep | ImpactStep | LinearDynamics
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +218,35 @@ class CenterOfMassResidual:
 
 
 @dataclass(frozen=True, eq=False)
+class ContactForceResidual:
+    """λ − λ*, the forces of held contacts from their targets (rows,) [N, N·m]."""
+
+    _kind: ClassVar[str] = "contact_force"
+
+    step: HeldContactStep
+    """Step that holds the contacts, the same as that of the nodes."""
+    target: Numbers | float | None = None
+    """Targets λ*, one for each row of the constraints; default: zeros."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionPyramidResidual:
+    """Five numbers of a point contact, not negative within friction: μλ_z ± λ_x, μλ_z ± λ_y, λ_z.
+
+    As a cost: ``LeastSquares(FrictionPyramidResidual(step, "foot", 0.7), 1.0, lower=0.0)``.
+    """
+
+    _kind: ClassVar[str] = "friction_pyramid"
+
+    step: HeldContactStep
+    """Step that holds the contacts, the same as that of the nodes."""
+    contact: str
+    """Name of the contact in the constraints; it must have the rows x, y and z."""
+    friction: float
+    """μ."""
+
+
+@dataclass(frozen=True, eq=False)
 class FunctionResidual:
     """r(q, v, u), or r(x, u) for plain numbers, computed by a Python function.
 
@@ -246,6 +315,8 @@ Residual: TypeAlias = (
     | FramePlacementResidual
     | FrameVelocityResidual
     | CenterOfMassResidual
+    | ContactForceResidual
+    | FrictionPyramidResidual
     | FunctionResidual
 )
 
@@ -324,6 +395,53 @@ class Solution:
         return self.states[:, self.nq :]
 
 
+class SamplingIteration(NamedTuple):
+    """One iteration of a sampling."""
+
+    iteration: int
+    """Its number, from 0."""
+    mean_cost: float
+    """Cost of the mean before it."""
+    best_cost: float
+    """Least cost of all samples so far."""
+    effective_samples: float
+    """(Σw)²/Σw² of the weights; near 1 a single sample decides."""
+    failed: int
+    """Samples whose dynamics or cost could not be computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSolution:
+    """Controls that a sampling found."""
+
+    states: Array = field(repr=False)
+    """States (N + 1, nq + nv)."""
+    controls: Array | list[Array] = field(repr=False)
+    """Controls (N, controls); a list of arrays if the numbers of controls differ."""
+    cost: float
+    """Cost."""
+    initial_cost: float
+    """Cost of the controls before the first iteration; infinite if their dynamics failed."""
+    failed: int
+    """Failed samples of all iterations."""
+    termination: str
+    """Reason for the end. A sampling has no test of optimality, so it never converges."""
+    log: list[SamplingIteration] = field(repr=False)
+    """Iterations."""
+    nq: int = field(default=0, repr=False)
+    """Number of coordinates of q; 0 for plain numbers."""
+
+    @property
+    def q(self) -> Array:
+        """Configurations (N + 1, nq)."""
+        return self.states[:, : self.nq]
+
+    @property
+    def v(self) -> Array:
+        """Velocities (N + 1, nv); the states themselves for plain numbers."""
+        return self.states[:, self.nq :]
+
+
 class MpcTimes(NamedTuple):
     """Times of the periods of a controller, the first without [s]."""
 
@@ -344,7 +462,7 @@ class Problem:
 
     Parameters
     ----------
-    dynamics : SmoothStep, SimulationStep or LinearDynamics
+    dynamics : SmoothStep, SimulationStep, HeldContactStep, ImpactStep or LinearDynamics
         Step f of all nodes.
     initial_state : array_like, shape (nq + nv,), or a pair of arrays (q, v)
         x_0.
@@ -403,7 +521,7 @@ class Problem:
 
         Parameters
         ----------
-        dynamics : SmoothStep, SimulationStep or LinearDynamics
+        dynamics : SmoothStep, SimulationStep, HeldContactStep, ImpactStep or LinearDynamics
             Step of these nodes, of the same robot.
         nodes : int, range or slice
             The nodes.
@@ -623,7 +741,6 @@ class Problem:
             states, controls = start.states, start.controls
         if states is not None and controls is None:
             raise ValueError("states need controls; give both, or controls alone")
-        rows = tuple(None if part is None else list(np.atleast_1d(part)) for part in (states, controls))
         options = {
             "max_iterations": max_iterations,
             "gradient_tolerance": gradient_tolerance,
@@ -633,8 +750,87 @@ class Problem:
             "time_limit": time_limit,
         }
         told = None if callback is None else lambda fields: callback(Iteration(*fields))
-        record = self._native._solve(options, constraint_tolerance, rows, told)
+        record = self._native._solve(options, constraint_tolerance, _rows(states, controls), told)
         return _solution(record, self._native._sizes()[0])
+
+    def sample(
+        self,
+        deviation: Numbers | float,
+        *,
+        law: Literal["mppi", "cross_entropy"] = "mppi",
+        temperature: float = 1.0,
+        elites: int = 16,
+        least_deviation: float = 0.05,
+        samples: int = 256,
+        iterations: int = 20,
+        correlation: float = 0.0,
+        seed: int = 0,
+        threads: int = 1,
+        time_limit: float | None = None,
+        controls: Numbers | Sequence[Numbers] | None = None,
+    ) -> SampledSolution:
+        """Improve controls by random samples, without derivatives.
+
+        For costs and dynamics without useful derivatives, or to find a start for `solve`. Bounds on the controls
+        hold; constraints must be costs. The result depends on the seed, not on the number of threads.
+
+        Parameters
+        ----------
+        deviation : array_like, shape (controls,), or float
+            Standard deviation of each control.
+        law : {"mppi", "cross_entropy"}
+            Model predictive path integrals: the mean becomes the average of all samples with weights
+            exp(−(J − J_min)/temperature). Cross entropy: mean and deviation become those of the best samples.
+        temperature : float
+            Temperature of ``"mppi"``, in the unit of the cost.
+        elites : int
+            Number of best samples of ``"cross_entropy"``.
+        least_deviation : float
+            Smallest deviation of ``"cross_entropy"``, as a share of the first.
+        samples : int
+            Samples of an iteration.
+        iterations : int
+            Number of iterations.
+        correlation : float
+            Correlation of the noise of consecutive nodes, from 0 to below 1.
+        seed : int
+            Seed of the random numbers.
+        threads : int
+            Threads that evaluate samples.
+        time_limit : float, optional
+            No iteration starts after this time [s].
+        controls : array_like, shape (N, controls), optional
+            Controls from which to start; default: those nearest to zero within their bounds.
+
+        Returns
+        -------
+        SampledSolution
+            The best controls and their states.
+
+        Raises
+        ------
+        ControlError
+            An option is invalid, the problem has constraints, or all samples of an iteration failed.
+        ValueError
+            The law does not exist.
+        """
+        options = {
+            "law": law,
+            "deviation": deviation,
+            "temperature": temperature,
+            "elites": elites,
+            "least_deviation": least_deviation,
+            "samples": samples,
+            "iterations": iterations,
+            "correlation": correlation,
+            "seed": seed,
+            "threads": threads,
+            "time_limit": time_limit,
+        }
+        record = self._native._sample(options, _rows(None, controls))
+        log = [SamplingIteration(*fields) for fields in record.pop("log")]
+        found = _equal_rows(record.pop("controls"))
+        return SampledSolution(**record, controls=found, log=log, nq=self._native._sizes()[0])
 
 
 class Mpc:
@@ -647,6 +843,8 @@ class Mpc:
     ----------
     problem : Problem
         Problem without constraints beyond the bounds of controls; later changes of it do not count.
+    start : Solution, optional
+        Solution from which the first period starts.
     iterations : int
         Largest number of iterations of each period but the first.
     time_budget : float, optional
@@ -678,6 +876,7 @@ class Mpc:
     def __init__(
         self,
         problem: Problem,
+        start: Solution | None = None,
         *,
         iterations: int = 2,
         time_budget: float | None = None,
@@ -692,8 +891,9 @@ class Mpc:
             "threads": threads,
             "time_limit": None,
         }
+        rows = _rows(None, None) if start is None else _rows(start.states, start.controls)
         self._nodes, self._nq = problem.nodes, problem._native._sizes()[0]
-        self._native = _native.OptimalMpc(problem._native, options, iterations, time_budget)
+        self._native = _native.OptimalMpc(problem._native, options, iterations, time_budget, rows)
 
     def step(self, state: State) -> Array:
         """Compute the controls of the next period.
@@ -776,11 +976,23 @@ class Mpc:
         return MpcTimes(*self._native._times())
 
 
+Rows: TypeAlias = tuple[list[Array] | None, list[Array] | None]
+
+
+def _rows(states: Numbers | Sequence[Numbers] | None, controls: Numbers | Sequence[Numbers] | None) -> Rows:
+    """States and controls by node."""
+    by_node = [None if part is None else [np.asarray(row) for row in part] for part in (states, controls)]
+    return by_node[0], by_node[1]
+
+
+def _equal_rows(rows: list[Array]) -> Array | list[Array]:
+    """One array if all rows have the same length."""
+    return np.stack(rows) if len({len(row) for row in rows}) == 1 else rows
+
+
 def _solution(record: dict[str, Any], nq: int) -> Solution:
     """Result of the native half."""
-    rows = {name: record.pop(name) for name in ("controls", "gains")}
-    if len({len(row) for row in rows["controls"]}) == 1:
-        rows = {name: np.stack(row) for name, row in rows.items()}
+    rows = {name: _equal_rows(record.pop(name)) for name in ("controls", "gains")}
     log = [Iteration(*fields) for fields in record.pop("log")]
     return Solution(**record, **rows, log=log, nq=nq)
 

@@ -1,5 +1,7 @@
 """Optimal control, against the Riccati recursion, numerical derivatives and the motions of the robot itself."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -8,6 +10,8 @@ import robot_dynamics as rd
 from robot_dynamics import optimal as oc
 
 Array = NDArray[np.float64]
+
+ROBOTS = Path(__file__).parents[2] / "robots"
 
 A = np.array([[1.0, 0.1], [0.0, 1.0]])
 B = np.array([[0.005], [0.1]])
@@ -280,3 +284,107 @@ def test_nodes_may_have_different_controls() -> None:
     solution = problem.solve()
     assert [u.shape for u in solution.controls] == [(1,)] * 5 + [(2,)] * 5
     assert solution.is_solved
+
+
+FEET = ("front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot")
+
+
+def standing() -> tuple[rd.Robot, Array, rd.Constraints]:
+    """A quadruped that stands on its four feet, which are held as points."""
+    robot = rd.example("quadruped", floating_base=True)
+    q = robot.neutral()
+    for joint in robot.joints:
+        if joint.name.endswith(("hip_pitch", "knee")):
+            q[joint.q] = 0.6 if joint.name.endswith("hip_pitch") else -1.2
+    points = {foot: rd.PointContact(foot, robot.frame_pose(q, foot)[:3, 3]) for foot in FEET}
+    return robot, q, robot.constraints(points)
+
+
+def test_held_step_follows_the_constrained_dynamics() -> None:
+    robot, q, feet = standing()
+    # Baumgarte's stabilisation with the rate 10.
+    step = oc.HeldContactStep(robot, feet, dt=0.01, damping=20.0, stiffness=100.0, actuation="motors")
+    problem = oc.Problem(step, (q, np.zeros(robot.nv)), nodes=20)
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-4))
+    target = robot.center_of_mass(q) + [0.02, 0.0, -0.03]
+    rest = [0.0] * robot.nv + [1.0] * robot.nv
+    problem.set_terminal_cost(
+        oc.LeastSquares(oc.CenterOfMassResidual(target), 1e5),
+        oc.LeastSquares(oc.StateResidual((q, np.zeros(robot.nv))), rest),
+    )
+    solution = problem.solve()
+    assert solution.is_solved
+    assert np.linalg.norm(robot.center_of_mass(solution.q[-1]) - target) < 2e-3
+    motors = np.asarray(robot.actuated_dofs)
+    for k in range(20):
+        tau = np.zeros(robot.nv)
+        tau[motors] = solution.controls[k]
+        q, v = solution.q[k], solution.v[k]
+        held = robot.constrained_forward_dynamics(feet, q, v, tau, stabilization=10.0)
+        # Rounding, with torques of 10 N·m on legs of 0.1 kg.
+        assert np.allclose(solution.v[k + 1], v + 0.01 * held.acceleration, atol=1e-9)
+
+
+def test_forces_stay_within_friction() -> None:
+    robot, q, feet = standing()
+    step = oc.HeldContactStep(robot, feet, dt=0.01, actuation="motors")
+    solutions = []
+    for weight in (0.0, 1.0):
+        problem = oc.Problem(step, (q, np.zeros(robot.nv)), nodes=20)
+        pyramids = [
+            oc.LeastSquares(oc.FrictionPyramidResidual(step, foot, 0.3), weight, lower=0.0)
+            for foot in FEET
+        ]
+        problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-4), *pyramids)
+        target = robot.center_of_mass(q) + [0.05, 0.0, 0.0]
+        problem.set_terminal_cost(oc.LeastSquares(oc.CenterOfMassResidual(target), 1e5))
+        solutions.append(problem.solve())
+
+    def excess(solution: oc.Solution) -> float:
+        worst = 0.0
+        for k in range(20):
+            tau = np.zeros(robot.nv)
+            tau[np.asarray(robot.actuated_dofs)] = solution.controls[k]
+            held = robot.constrained_forward_dynamics(feet, solution.q[k], solution.v[k], tau)
+            for x, y, z in np.asarray(held.multipliers).reshape(4, 3):
+                worst = max(worst, abs(x) - 0.3 * z, abs(y) - 0.3 * z)
+        return worst
+
+    assert excess(solutions[1]) < 0.1 * excess(solutions[0])
+    with pytest.raises(rd.ConstraintError, match="front_left_foot.x"):
+        wrong = oc.LeastSquares(oc.FrictionPyramidResidual(step, "tail", 0.3))
+        oc.Problem(step, (q, np.zeros(robot.nv)), nodes=2).set_running_cost(wrong)
+
+
+def test_impact_stops_the_contact() -> None:
+    robot, q, feet = standing()
+    problem = oc.Problem(oc.SmoothStep(robot, dt=0.01, actuation="motors"), (q, np.full(robot.nv, -0.1)), nodes=4)
+    problem.set_dynamics(oc.ImpactStep(robot, feet), nodes=2)
+    assert problem.controls == [12, 12, 0, 12]
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-3), nodes=slice(0, 2))
+    problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), 1e-3), nodes=3)
+    solution = problem.solve()
+    rows = robot.constraint_rows(feet, solution.q[3]).matrix
+    assert np.abs(rows @ solution.v[2]).max() > 0.05
+    assert np.abs(rows @ solution.v[3]).max() < 1e-10
+    assert np.array_equal(solution.q[2], solution.q[3])
+
+
+@pytest.mark.parametrize("law", ["mppi", "cross_entropy"])
+def test_sampling_approaches_the_solution(law: str) -> None:
+    problem = mass(20)
+    problem.set_control_bounds(-1.0, 1.0)
+    best = problem.solve()
+    options = {"law": law, "temperature": 0.05, "iterations": 60, "correlation": 0.5}
+    found = problem.sample(0.5, **options)  # type: ignore[arg-type]
+    assert best.cost <= found.cost < 1.05 * best.cost < found.initial_cost
+    assert np.abs(found.controls).max() <= 1.0
+    # The states are those of the controls.
+    x = np.array([1.0, 0.0])
+    for k, u in enumerate(found.controls):
+        x = A @ x + B @ u
+        assert np.allclose(found.states[k + 1], x, atol=1e-12)
+    again = problem.sample(0.5, threads=2, **options)  # type: ignore[arg-type]
+    assert np.array_equal(found.controls, again.controls)
+    with pytest.raises(ValueError, match="mppi"):
+        problem.sample(0.5, law="random")  # type: ignore[arg-type]

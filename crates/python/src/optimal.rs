@@ -6,6 +6,7 @@ mod function;
 pub(crate) mod mpc;
 pub(crate) mod problem;
 mod residuals;
+mod sampling;
 mod solution;
 mod space;
 

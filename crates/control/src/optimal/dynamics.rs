@@ -97,6 +97,10 @@ impl DiscreteDynamics for Box<dyn DiscreteDynamics> {
         (**self).linearize(x, u, derivatives)
     }
 
+    fn contact_forces(&self) -> Option<ContactForces<'_>> {
+        (**self).contact_forces()
+    }
+
     fn boxed_clone(&self) -> Box<dyn DiscreteDynamics> {
         (**self).boxed_clone()
     }

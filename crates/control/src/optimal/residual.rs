@@ -102,6 +102,10 @@ impl Residual for Box<dyn Residual> {
         (**self).linearize(x, u, residual, jacobian)
     }
 
+    fn reuse(&mut self, forces: &ContactForces<'_>) {
+        (**self).reuse(forces);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Residual> {
         (**self).boxed_clone()
     }

@@ -4,14 +4,17 @@ use std::sync::Arc;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use robot_dynamics::constraints::RowFeedback;
 use robot_dynamics::control::optimal::{
-    ActuationMatrix, DiscreteDynamics, LinearDynamics, SimulationStep, SmoothStep,
+    ActuationMatrix, DiscreteDynamics, HeldContactStep, ImpactStep, LinearDynamics, SimulationStep,
+    SmoothStep,
 };
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::Integrator;
 
 use super::raised;
 use super::space::Space;
+use crate::constraint_set::Constraints;
 use crate::errors::{Class, exception};
 use crate::numbers::{matrix, shaped};
 use crate::robot::Robot;
@@ -27,9 +30,16 @@ pub(super) fn dynamics_of(
     match kind.as_deref() {
         Ok("smooth_step") => smooth_step(py, object, known),
         Ok("simulation_step") => simulation_step(py, object, known),
+        Ok("held_contact_step") => {
+            let space = space_of(object, known)?;
+            let step = held_contact_step(py, object, &space)?;
+            Ok((Box::new(step), space))
+        }
+        Ok("impact_step") => impact_step(py, object, known),
         Ok("linear") => linear(py, object),
         _ => Err(PyTypeError::new_err(format!(
-            "the dynamics must be a SmoothStep, SimulationStep or LinearDynamics of robot_dynamics.optimal, got {}",
+            "the dynamics must be a SmoothStep, SimulationStep, HeldContactStep, ImpactStep or LinearDynamics of \
+             robot_dynamics.optimal, got {}",
             object.get_type().name()?
         ))),
     }
@@ -69,6 +79,51 @@ fn simulation_step(
         None => step,
     };
     Ok((Box::new(step), Space::of_robot(robot, model)))
+}
+
+/// The space of an object with a robot: the known one if it belongs to this robot.
+fn space_of(object: &Bound<'_, PyAny>, known: Option<&Space>) -> PyResult<Space> {
+    let robot = object.getattr("robot")?.cast_into::<Robot>()?.unbind();
+    let model = shared_model(&robot.get().model, known);
+    match known {
+        Some(known) if known.states.model().is_some_and(|own| Arc::ptr_eq(own, &model)) => {
+            Ok(known.share(object.py()))
+        }
+        _ => Ok(Space::of_robot(robot, model)),
+    }
+}
+
+/// The step of a `HeldContactStep`; the steps of one object share their forces.
+pub(super) fn held_contact_step(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    space: &Space,
+) -> PyResult<HeldContactStep> {
+    space.held_step(object, || {
+        let (robot, model) = space.robot(py, "HeldContactStep")?;
+        let constraints = object.getattr("constraints")?.cast_into::<Constraints>()?;
+        let (velocity, position) = (object.getattr("damping")?, object.getattr("stiffness")?);
+        let feedback = RowFeedback { position: position.extract()?, velocity: velocity.extract()? };
+        let (set, dt) = (constraints.get().of(py, robot)?, object.getattr("dt")?.extract()?);
+        let step = HeldContactStep::new(Arc::clone(model), set, feedback, dt).map_err(exception)?;
+        match actuation_of(py, object, model)? {
+            Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error)),
+            None => Ok(step),
+        }
+    })
+}
+
+fn impact_step(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    known: Option<&Space>,
+) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
+    let space = space_of(object, known)?;
+    let (robot, model) = space.robot(py, "ImpactStep")?;
+    let constraints = object.getattr("constraints")?.cast_into::<Constraints>()?;
+    let (set, restitution) = (constraints.get().of(py, robot)?, object.getattr("restitution")?.extract()?);
+    let step = ImpactStep::new(Arc::clone(model), set, restitution).map_err(|error| raised(py, error))?;
+    Ok((Box::new(step), space))
 }
 
 fn linear(py: Python<'_>, object: &Bound<'_, PyAny>) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {

@@ -8,7 +8,7 @@ use super::exclusive::Exclusive;
 use super::problem::{OptimalProblem, SolverOptions, common_controls, duration};
 use super::raised;
 use super::residuals::cost_of;
-use super::solution::solution_of;
+use super::solution::{Start, solution_of};
 use super::space::Space;
 use crate::errors::Class;
 use crate::numbers::{array, object};
@@ -29,13 +29,15 @@ impl OptimalMpc {
         options: SolverOptions,
         iterations: usize,
         time_budget: Option<f64>,
+        rows: Start,
     ) -> PyResult<Self> {
         let problem = problem.borrow();
         let mut own = MpcOptions::default();
         own.solver = options.options(py)?;
         own.iterations = iterations;
         own.time_budget = time_budget.map(|seconds| duration(py, "time_budget", seconds)).transpose()?;
-        let mpc = Mpc::new(problem.problem.lock(py).clone(), own).map_err(|error| raised(py, error))?;
+        let mut mpc = Mpc::new(problem.problem.lock(py).clone(), own).map_err(|error| raised(py, error))?;
+        rows.set(py, mpc.fddp_mut())?;
         Ok(Self { mpc: Exclusive::new(mpc), space: problem.space.share(py) })
     }
 

@@ -6,14 +6,17 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::control::optimal::{
-    Activation, CenterOfMassResidual, ControlResidual, Cost, FramePlacementResidual, FrameRotationResidual,
-    FrameTranslationResidual, FrameVelocityResidual, LeastSquares, Residual, StateResidual, Weights,
+    Activation, CenterOfMassResidual, ContactForceResidual, ControlResidual, Cost, FramePlacementResidual,
+    FrameRotationResidual, FrameTranslationResidual, FrameVelocityResidual, LeastSquares, Residual,
+    StateResidual, Weights,
 };
 use robot_dynamics::model::{FrameId, Model};
 
+use super::dynamics::held_contact_step;
 use super::function::FunctionResidual;
 use super::raised;
 use super::space::Space;
+use crate::errors::Class;
 use crate::numbers::{numbers, pose_of, shaped};
 use crate::row::reference_frame_of;
 
@@ -128,6 +131,8 @@ pub(super) fn residual_of(
             let target = several(py, "the target position", &target()?)?;
             Box::new(CenterOfMassResidual::new(Arc::clone(model), target).map_err(refused)?)
         }
+        Ok("contact_force") => Box::new(contact_force(py, space, object)?),
+        Ok("friction_pyramid") => Box::new(friction_pyramid(py, space, object)?),
         Ok("function") => Box::new(function_of(space, object)?),
         _ => {
             let found = object.get_type().name()?;
@@ -135,6 +140,33 @@ pub(super) fn residual_of(
             return Err(PyTypeError::new_err(message));
         }
     })
+}
+
+fn contact_force(py: Python<'_>, space: &Space, object: &Bound<'_, PyAny>) -> PyResult<ContactForceResidual> {
+    let step = held_contact_step(py, &object.getattr("step")?, space)?;
+    let rows = step.constraints().len();
+    let target = entries_of(py, "the target forces", &object.getattr("target")?, rows, 0.0)?;
+    ContactForceResidual::tracking(&step, &target).map_err(|error| raised(py, error))
+}
+
+fn friction_pyramid(
+    py: Python<'_>,
+    space: &Space,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<ContactForceResidual> {
+    let step = held_contact_step(py, &object.getattr("step")?, space)?;
+    let (contact, friction): (String, f64) =
+        (object.getattr("contact")?.extract()?, object.getattr("friction")?.extract()?);
+    let names = step.constraints().row_names();
+    let row = |axis: &str| {
+        let name = format!("{contact}.{axis}");
+        names.iter().position(|own| *own == name).ok_or_else(|| {
+            let message = format!("there is no row {name:?}; the step holds {}", names.join(", "));
+            Class::Constraint.error(py, message)
+        })
+    };
+    let rows = [row("x")?, row("y")?, row("z")?];
+    ContactForceResidual::friction_pyramid(&step, rows, friction).map_err(|error| raised(py, error))
 }
 
 fn function_of(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<FunctionResidual> {

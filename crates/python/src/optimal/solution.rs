@@ -18,20 +18,24 @@ pub(super) struct Start(Option<Vec<Py<PyAny>>>, Option<Vec<Py<PyAny>>>);
 impl Start {
     /// Sets the start. Controls alone are rolled out.
     pub(super) fn set(&self, py: Python<'_>, solver: &mut Fddp) -> PyResult<()> {
-        let rows = |name: &str, rows: &[Py<PyAny>]| {
-            let row = |row: &Py<PyAny>| numbers(py, name, row.bind(py)).map(|(_, row)| row);
-            rows.iter().map(row).collect::<PyResult<Vec<_>>>()
-        };
-        let Some(controls) = &self.1 else { return Ok(()) };
-        let controls = rows("controls", controls)?;
+        let Some(controls) = self.controls(py)? else { return Ok(()) };
         match &self.0 {
             Some(states) => {
-                let set = solver.set_trajectory(&rows("states", states)?, &controls);
+                let set = solver.set_trajectory(&rows(py, "states", states)?, &controls);
                 set.map_err(|error| raised(py, error))
             }
             None => solver.set_rollout(&controls).map_err(|error| raised(py, error)),
         }
     }
+
+    /// The controls, if they are given.
+    pub(super) fn controls(&self, py: Python<'_>) -> PyResult<Option<Vec<Vec<f64>>>> {
+        self.1.as_ref().map(|controls| rows(py, "controls", controls)).transpose()
+    }
+}
+
+fn rows(py: Python<'_>, name: &str, rows: &[Py<PyAny>]) -> PyResult<Vec<Vec<f64>>> {
+    rows.iter().map(|row| numbers(py, name, row.bind(py)).map(|(_, row)| row)).collect()
 }
 
 /// The fields of an iteration, in the order of the Python half's class.
@@ -45,29 +49,34 @@ fn fields(record: &IterationRecord) -> IterationFields {
 /// The time between two checks for an interrupt.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Calls Python's function after each iteration, and checks for interrupts.
-pub(super) struct IterationCallback {
-    function: Option<Py<PyAny>>,
+/// Checks for interrupts, and keeps the exception that ended the work.
+pub(super) struct InterruptCheck {
     last: Instant,
     error: Option<PyErr>,
 }
 
-impl IterationCallback {
-    pub(super) fn new(function: Option<Py<PyAny>>) -> Self {
-        Self { function, last: Instant::now(), error: None }
+impl Default for InterruptCheck {
+    fn default() -> Self {
+        Self { last: Instant::now(), error: None }
+    }
+}
+
+impl InterruptCheck {
+    /// Whether the last check was some time ago.
+    pub(super) fn is_due(&self) -> bool {
+        self.last.elapsed() >= PATIENCE
     }
 
-    pub(super) fn call(&mut self, record: &IterationRecord) -> ControlFlow<()> {
-        if self.function.is_none() && self.last.elapsed() < PATIENCE {
-            return ControlFlow::Continue(());
-        }
-        let called = Python::attach(|py| {
-            py.check_signals()?;
-            let Some(function) = &self.function else { return Ok(false) };
-            function.bind(py).call1((fields(record),))?.is_truthy()
-        });
+    /// Ends the work if Python has a signal to handle.
+    pub(super) fn check(&mut self) -> ControlFlow<()> {
+        self.run(|_| Ok(false))
+    }
+
+    /// The same with a function of Python, which may end the work or raise an exception.
+    fn run(&mut self, function: impl FnOnce(Python<'_>) -> PyResult<bool>) -> ControlFlow<()> {
+        let ends = Python::attach(|py| py.check_signals().and_then(|()| function(py)));
         self.last = Instant::now();
-        match called {
+        match ends {
             Ok(false) => ControlFlow::Continue(()),
             Ok(true) => ControlFlow::Break(()),
             Err(error) => {
@@ -83,6 +92,31 @@ impl IterationCallback {
             Some(error) => Err(error),
             None => solved.map_err(|error| raised(py, error)),
         }
+    }
+}
+
+/// Calls Python's function after each iteration, and checks for interrupts.
+pub(super) struct IterationCallback {
+    function: Option<Py<PyAny>>,
+    check: InterruptCheck,
+}
+
+impl IterationCallback {
+    pub(super) fn new(function: Option<Py<PyAny>>) -> Self {
+        Self { function, check: InterruptCheck::default() }
+    }
+
+    pub(super) fn call(&mut self, record: &IterationRecord) -> ControlFlow<()> {
+        match &self.function {
+            Some(function) => self.check.run(|py| function.bind(py).call1((fields(record),))?.is_truthy()),
+            None if self.check.is_due() => self.check.check(),
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// The result, or the exception that Python raised.
+    pub(super) fn finish<R>(self, py: Python<'_>, solved: Result<R, OptimalControlError>) -> PyResult<R> {
+        self.check.finish(py, solved)
     }
 }
 

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use robot_dynamics::control::optimal::StateSpace;
+use robot_dynamics::control::optimal::{HeldContactStep, StateSpace};
 use robot_dynamics::model::Model;
 
+use super::exclusive::Exclusive;
 use crate::errors::Class;
 use crate::numbers::{numbers, shaped};
 use crate::operand::shown;
@@ -16,21 +17,46 @@ use crate::robot::Robot;
 pub(super) struct Space {
     pub(super) states: StateSpace,
     pub(super) robot: Option<Py<Robot>>,
+    held: HeldSteps,
+}
+
+/// The steps with held contacts, each with its object of Python: costs read the forces of the node's step.
+type HeldSteps = Arc<Exclusive<Vec<(Py<PyAny>, HeldContactStep)>>>;
+
+fn no_steps() -> HeldSteps {
+    Arc::new(Exclusive::new(Vec::new()))
 }
 
 impl Space {
     /// The space of (q, v) of a robot.
     pub(super) fn of_robot(robot: Py<Robot>, model: Arc<Model>) -> Self {
-        Self { states: StateSpace::robot(model), robot: Some(robot) }
+        Self { states: StateSpace::robot(model), robot: Some(robot), held: no_steps() }
     }
 
     /// The space of plain numbers.
     pub(super) fn vector(n: usize) -> Self {
-        Self { states: StateSpace::vector(n), robot: None }
+        Self { states: StateSpace::vector(n), robot: None, held: no_steps() }
     }
 
     pub(super) fn share(&self, py: Python<'_>) -> Self {
-        Self { states: self.states.clone(), robot: self.robot.as_ref().map(|robot| robot.clone_ref(py)) }
+        let robot = self.robot.as_ref().map(|robot| robot.clone_ref(py));
+        Self { states: self.states.clone(), robot, held: Arc::clone(&self.held) }
+    }
+
+    /// The step of an object, which is built if it is new.
+    pub(super) fn held_step(
+        &self,
+        object: &Bound<'_, PyAny>,
+        build: impl FnOnce() -> PyResult<HeldContactStep>,
+    ) -> PyResult<HeldContactStep> {
+        let py = object.py();
+        let known = self.held.lock(py).iter().find(|(own, _)| own.is(object)).map(|(_, step)| step.clone());
+        if let Some(step) = known {
+            return Ok(step);
+        }
+        let step = build()?;
+        self.held.lock(py).push((object.clone().unbind(), step.clone()));
+        Ok(step)
     }
 
     /// The robot and its model; an error that names the part that needs them.
