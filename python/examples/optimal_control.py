@@ -10,7 +10,6 @@
 """
 
 import argparse
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -108,18 +107,15 @@ def jump(nodes: int) -> tuple[oc.Solution, float, rd.Robot, float]:
     q[2] -= robot.frame_pose(q, FEET[0])[2, 3]
     rest, places = (q, np.zeros(robot.nv)), {foot: robot.frame_pose(q, foot)[:3, 3] for foot in FEET}
     feet = robot.constraints({foot: rd.PointContact(foot, place) for foot, place in places.items()})
-    push = oc.HeldContactStep(robot, feet, dt=dt, damping=20.0, actuation="motors")
+    push = oc.HeldContactStep(robot, feet, dt=dt, damping=20.0, stiffness=100.0, actuation="motors")
     flight = oc.SmoothStep(robot, dt=dt, dissipation=False, actuation="motors")
     third = nodes // 3
     problem = oc.Problem(push, rest, nodes=nodes)
     in_air, lands = range(third, 2 * third), 2 * third
     problem.set_dynamics(flight, nodes=in_air)
     problem.set_dynamics(oc.ImpactStep(robot, feet), nodes=lands)
-    # Torques that hold the robot still: the rows of the base give the forces of the feet.
-    rows, gravity = robot.constraint_rows(feet, q).matrix, robot.gravity(q)
-    forces = np.linalg.lstsq(rows[:, :6].T, gravity[:6], rcond=None)[0]
-    holding = (gravity - rows.T @ forces)[6:]
-    weights = np.concatenate([np.zeros(6), np.full(robot.nv - 6, 0.1), np.full(robot.nv, 0.01)])
+    holding = holding_torques(robot, q, feet)
+    weights = np.concatenate([np.zeros(6), np.full(robot.nv - 6, 1.0), np.zeros(6), np.full(robot.nv - 6, 0.3)])
     posture = oc.LeastSquares(oc.StateResidual(rest), weights * dt)
     friction = [oc.LeastSquares(oc.FrictionPyramidResidual(push, foot, 0.7), 0.1 * dt, lower=0.0) for foot in FEET]
     effort = oc.LeastSquares(oc.ControlResidual(), 1e-3 * dt)
@@ -128,9 +124,9 @@ def jump(nodes: int) -> tuple[oc.Solution, float, rd.Robot, float]:
     problem.set_running_cost(effort, posture, nodes=in_air)
     apex = robot.center_of_mass(q) + [0.0, 0.0, height]
     middle = third + third // 2
-    problem.set_running_cost(effort, oc.LeastSquares(oc.CenterOfMassResidual(apex), 1e4), nodes=middle)
+    problem.set_running_cost(effort, posture, oc.LeastSquares(oc.CenterOfMassResidual(apex), 1e5), nodes=middle)
     landing = [oc.LeastSquares(oc.FrameTranslationResidual(foot, place), 1e5) for foot, place in places.items()]
-    problem.set_running_cost(*landing, nodes=lands)
+    problem.set_running_cost(posture, *landing, nodes=lands)
     problem.set_terminal_cost(oc.LeastSquares(oc.StateResidual(rest), 100.0))
     problem.set_effort_limits(nodes=range(0, lands))
     problem.set_effort_limits(nodes=range(lands + 1, nodes))
@@ -142,8 +138,9 @@ def jump(nodes: int) -> tuple[oc.Solution, float, rd.Robot, float]:
 def stand(periods: int) -> tuple[Array, Array, oc.MpcTimes, float]:
     """A humanoid is pushed; a model predictive controller keeps it on its feet.
 
-    Returns the heights of the pelvis and the forces of the push by period, the times of the controller, and
-    the length of a period.
+    The plan holds the feet. The simulation finds the contacts of their soles with the ground. Returns the
+    positions of the centre of mass and the force of the push by period, the times of the controller, and the
+    length of a period.
     """
     robot, dt, substeps = rd.example("humanoid", floating_base=True), 0.02, 10
     q = robot.neutral()
@@ -154,34 +151,45 @@ def stand(periods: int) -> tuple[Array, Array, oc.MpcTimes, float]:
             if joint.name.endswith(name):
                 q[joint.q] = angle
     q[2] = standing_height(robot, q)
-    motors = np.flatnonzero(robot.actuated_dofs)
-    planned = rd.Simulation(robot, dt=dt, integrator="implicit", ground=rd.Ground())
-    step = oc.SimulationStep(planned, actuation="motors")
-    problem = oc.Problem(step, (q, np.zeros(robot.nv)), nodes=15)
-    posture = np.concatenate([[0.0, 0.0, 100.0, 100.0, 100.0, 100.0], np.full(robot.nv - 6, 10.0)])
-    rest = oc.LeastSquares(oc.StateResidual((q, np.zeros(robot.nv))), np.concatenate([posture, np.full(robot.nv, 0.1)]))
+    soles = {foot: rd.Contact(foot, robot.frame_pose(q, foot)) for foot in ("left_foot", "right_foot")}
+    feet = robot.constraints(soles)
+    step = oc.HeldContactStep(robot, feet, dt=dt, damping=20.0, actuation="motors")
+    problem = oc.Problem(step, (q, np.zeros(robot.nv)), nodes=20)
+    holding = holding_torques(robot, q, feet)
+    # Weights of the displacements of the base and the joints, and of their rates.
+    weights = np.concatenate([[0.0, 0.0, 0.0, 10.0, 10.0, 10.0], np.full(robot.nv - 6, 1.0), np.full(robot.nv, 0.1)])
+    rest = oc.LeastSquares(oc.StateResidual((q, np.zeros(robot.nv))), weights)
     balance = oc.LeastSquares(oc.CenterOfMassResidual(robot.center_of_mass(q)), 1e3)
-    problem.set_running_cost(rest, balance, oc.LeastSquares(oc.ControlResidual(), 1e-5))
+    problem.set_running_cost(rest, balance, oc.LeastSquares(oc.ControlResidual(holding), 1e-4))
     problem.set_terminal_cost(rest, balance)
     problem.set_effort_limits()
-    holding = robot.gravity(q)[motors]
-    mpc = oc.Mpc(problem, problem.solve(controls=[holding] * problem.nodes, max_iterations=20), iterations=1)
+    start = problem.solve(states=[np.concatenate([q, np.zeros(robot.nv)])] * 21, controls=[holding] * 20)
+    mpc = oc.Mpc(problem, start, iterations=1)
     simulation = rd.Simulation(robot, dt=dt / substeps, integrator="implicit", ground=rd.Ground())
     simulation.reset(q)
-    heights, pushes = [], []
+    motors = np.flatnonzero(robot.actuated_dofs)
+    positions, pushes = [], []
     for period in range(periods):
-        force = 60.0 if 10 <= period < 20 else 0.0
+        force = 80.0 if 10 <= period < 20 else 0.0
         simulation.clear_wrenches()
         if force:
-            simulation.apply_wrench("thorax", force=(0.0, force, 0.0))
+            simulation.apply_wrench("thorax", force=(force, 0.0, 0.0))
         torques = np.zeros(robot.nv)
         torques[motors] = mpc.step((simulation.q, simulation.v))
         simulation.torques = torques
         for _ in range(substeps):
             simulation.step()
-        heights.append(simulation.q[2])
+        positions.append(robot.center_of_mass(simulation.q))
         pushes.append(force)
-    return np.array(heights), np.array(pushes), mpc.times, dt
+    return np.array(positions), np.array(pushes), mpc.times, dt
+
+
+def holding_torques(robot: rd.Robot, q: Array, contacts: rd.Constraints) -> Array:
+    """Torques of the motors that hold the robot still on contacts; the base gives the contacts' forces."""
+    rows, gravity = robot.constraint_rows(contacts, q).matrix, robot.gravity(q)
+    forces = np.linalg.lstsq(rows[:, :6].T, gravity[:6], rcond=None)[0]
+    torques: Array = (gravity - rows.T @ forces)[6:]
+    return torques
 
 
 def standing_height(robot: rd.Robot, q: Array) -> float:
@@ -195,3 +203,130 @@ def standing_height(robot: rd.Robot, q: Array) -> float:
         touches = any(contact.gap < 0.0 for contact in simulation.contacts)
         low, high = (middle, high) if touches else (low, middle)
     return high
+
+
+def main(arguments: list[str] | None = None) -> dict[str, Any]:
+    """Print the results, draw the figure, and return the results."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--short", action="store_true", help="use fewer nodes and periods")
+    parser.add_argument("--figure", default="optimal_control.png")
+    options = parser.parse_args(arguments)
+    short = options.short
+    cart = cart_pole(60 if short else 100)
+    swing = acrobot(100 if short else 150)
+    picked = pick(30 if short else 50)
+    pushed = push_block(20 if short else 40)
+    jumped = jump(45 if short else 90)
+    stood = stand(30 if short else 75)
+    for name, solution in [
+        ("cart-pole", cart[0]),
+        ("acrobot", swing[0]),
+        ("pick", picked[0]),
+        ("block", pushed[0]),
+        ("jump", jumped[0]),
+    ]:
+        print(f"{name}: {solution.termination} after {len(solution.log)} iterations, cost {solution.cost:.4g}")
+    times = stood[2]
+    print(f"humanoid: {times.periods} periods of {stood[3]:g} s, each planned in {1e3 * times.median:.0f} ms (median)")
+    draw(options.figure, cart, swing, picked, pushed, jumped, stood)
+    robot, down = picked[2], picked[3]
+    grasp = robot.frame_pose(picked[0].q[len(picked[0].q) // 2], "panda_link8")[:3, 3]
+    jumper = jumped[2]
+    heights = np.array([jumper.center_of_mass(q)[2] for q in jumped[0].q])
+    return {
+        "cart_pole": np.abs(cart[0].q[-1] - [0.0, np.pi]).max(),
+        "acrobot": np.abs(swing[0].q[-1] - [np.pi / 2, 0.0]).max(),
+        "pick": np.linalg.norm(grasp - down),
+        "block": abs(pushed[0].q[-1, 0] - pushed[2][0]),
+        "jump": heights.max() - heights[0],
+        "asked": jumped[3],
+        "landing": np.abs(jumped[0].states[-1] - jumped[0].states[0]).max(),
+        "stand": np.linalg.norm(stood[0] - stood[0][0], axis=1),
+    }
+
+
+def draw(
+    path: str,
+    cart: tuple[oc.Solution, float],
+    swing: tuple[oc.Solution, float],
+    picked: tuple[oc.Solution, float, rd.Robot, Array],
+    pushed: tuple[oc.Solution, float, Array],
+    jumped: tuple[oc.Solution, float, rd.Robot, float],
+    stood: tuple[Array, Array, oc.MpcTimes, float],
+) -> None:
+    """Draw the figure."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import colormaps, pyplot
+
+    figure, axes = pyplot.subplots(2, 3, figsize=(13.5, 7.6), layout="constrained")
+
+    def colors(count: int) -> Any:
+        return colormaps["viridis_r"](np.linspace(0.1, 1.0, count))
+
+    axis = axes[0, 0]
+    q = cart[0].q[:: max(1, len(cart[0].q) // 25)]
+    for (x, angle), color in zip(q, colors(len(q)), strict=True):
+        axis.plot([x, x - np.sin(angle)], [0.0, -np.cos(angle)], color=color, linewidth=1.6)
+    axis.plot(q[:, 0], np.zeros(len(q)), "s", color="0.4", markersize=4)
+    axis.set(title="cart-pole, from light to dark", xlabel="x [m]", ylabel="z [m]", aspect="equal")
+
+    axis = axes[0, 1]
+    q = swing[0].q[:: max(1, len(swing[0].q) // 30)]
+    for (first, second), color in zip(q, colors(len(q)), strict=True):
+        angles = np.array([first, first + second])
+        joints = np.cumsum([[0.0, 0.0], *np.stack([np.cos(angles), np.sin(angles)], axis=1)], axis=0)
+        axis.plot(*joints.T, color=color, linewidth=1.4)
+    axis.set(title="acrobot: a motor at the elbow alone", xlabel="x [m]", ylabel="z [m]", aspect="equal")
+
+    axis = axes[0, 2]
+    solution, dt, robot, down = picked
+    hand = np.array([robot.frame_pose(one, "panda_link8")[:3, 3] for one in solution.q])
+    t = dt * np.arange(len(hand))
+    for column, name in enumerate("xyz"):
+        (line,) = axis.plot(t, hand[:, column], label=name)
+        axis.plot(t[len(t) // 2], down[column], "o", color=line.get_color())
+    axis.set(title="Panda: the hand meets the object", xlabel="t [s]", ylabel="position [m]")
+    axis.legend(fontsize="small", loc="center right", bbox_to_anchor=(1.0, 0.67))
+
+    axis = axes[1, 0]
+    solution, dt, goal = pushed
+    t = dt * np.arange(len(solution.q))
+    axis.plot(t, solution.q[:, 0], label="position [m]")
+    axis.axhline(goal[0], color="0.6", linewidth=0.8, linestyle="--", label="goal")
+    axis.set(title="block: pushed against friction", xlabel="t [s]", ylabel="x [m]")
+    other = axis.twinx()
+    other.step(t[:-1], np.asarray(solution.controls)[:, 0], where="post", color="tab:orange", label="push [N]")
+    other.set_ylabel("push [N]")
+    handles, labels = axis.get_legend_handles_labels()
+    more_handles, more_labels = other.get_legend_handles_labels()
+    axis.legend(handles + more_handles, labels + more_labels, fontsize="small", loc="center left")
+
+    axis = axes[1, 1]
+    solution, dt, robot, height = jumped
+    t = dt * np.arange(len(solution.q))
+    center = np.array([robot.center_of_mass(one)[2] for one in solution.q])
+    foot = np.array([robot.frame_pose(one, FEET[0])[2, 3] for one in solution.q])
+    axis.plot(t, center, label="centre of mass")
+    axis.plot(t, foot, label="a foot")
+    axis.axhline(center[0] + height, color="0.6", linewidth=0.8, linestyle="--", label="asked height")
+    axis.axvspan(t[len(t) // 3], t[2 * (len(t) // 3)], color="0.93", label="flight")
+    axis.set(title="quadruped: a jump", xlabel="t [s]", ylabel="height [m]")
+    axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(0.0, 0.45))
+
+    axis = axes[1, 2]
+    center, push, _, dt = stood
+    t = dt * (1 + np.arange(len(center)))
+    axis.plot(t, 1e3 * (center[:, 0] - center[0, 0]), label="centre of mass, forward")
+    axis.plot(t, 1e3 * (center[:, 2] - center[0, 2]), label="up")
+    axis.axvspan(t[push > 0.0][0] - dt, t[push > 0.0][-1], color="0.93", label=f"push of {push.max():g} N")
+    axis.set(title="humanoid: pushed, under MPC", xlabel="t [s]", ylabel="displacement [mm]")
+    axis.legend(fontsize="small", loc="upper right")
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
+    print(f"figure: {path}")
+
+
+if __name__ == "__main__":
+    main()

@@ -21,6 +21,8 @@ _Three: TypeAlias = Sequence[float]
 _JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
+# States and controls by node.
+_Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
 __all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
@@ -376,7 +378,7 @@ class JointMap:
 @final
 class OptimalMpc:
     """The native half of `robot_dynamics.optimal.Mpc`."""
-    def __new__(cls, problem: OptimalProblem, options: _Record, iterations: int, time_budget: float | None) -> Self: ...
+    def __new__(cls, problem: OptimalProblem, options: _Record, iterations: int, time_budget: float | None, rows: _Rows) -> Self: ...
     def _next_controls(self, state: object) -> _Array:
         """See `step`."""
     def _plan(self) -> _Record:
@@ -396,6 +398,8 @@ class OptimalProblem:
         """See `add_constraint`."""
     def _add_terminal_constraint(self, residual: object, lower: object, upper: object) -> None:
         """See `add_terminal_constraint`."""
+    def _sample(self, options: _Record, rows: _Rows) -> _Record:
+        """See `sample`."""
     def _set_control_bounds(self, first: int, end: int, lower: object, upper: object) -> None:
         """See `set_control_bounds`."""
     def _set_dynamics(self, first: int, end: int, dynamics: object) -> None:
@@ -410,7 +414,7 @@ class OptimalProblem:
         """See `set_terminal_cost`."""
     def _sizes(self) -> tuple[int, int]:
         """(nq, nv), or (0, n) for plain numbers."""
-    def _solve(self, options: _Record, constraint_tolerance: float, rows: tuple[Sequence[object] | None, Sequence[object] | None], callback: Callable[[tuple[Any, ...]], object] | None) -> _Record:
+    def _solve(self, options: _Record, constraint_tolerance: float, rows: _Rows, callback: Callable[[tuple[Any, ...]], object] | None) -> _Record:
         """See `solve`."""
     @property
     def controls(self) -> list[int]:

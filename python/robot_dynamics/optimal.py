@@ -979,7 +979,7 @@ class Mpc:
 Rows: TypeAlias = tuple[list[Array] | None, list[Array] | None]
 
 
-def _rows(states: Numbers | Sequence[Numbers] | None, controls: Numbers | Sequence[Numbers] | None) -> Rows:
+def _rows(states: Any, controls: Any) -> Rows:
     """States and controls by node."""
     by_node = [None if part is None else [np.asarray(row) for row in part] for part in (states, controls)]
     return by_node[0], by_node[1]
@@ -992,9 +992,9 @@ def _equal_rows(rows: list[Array]) -> Array | list[Array]:
 
 def _solution(record: dict[str, Any], nq: int) -> Solution:
     """Result of the native half."""
-    rows = {name: _equal_rows(record.pop(name)) for name in ("controls", "gains")}
+    controls, gains = _equal_rows(record.pop("controls")), _equal_rows(record.pop("gains"))
     log = [Iteration(*fields) for fields in record.pop("log")]
-    return Solution(**record, **rows, log=log, nq=nq)
+    return Solution(**record, controls=controls, gains=gains, log=log, nq=nq)
 
 
 def _range(nodes: Nodes, count: int) -> tuple[int, int]:

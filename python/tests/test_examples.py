@@ -34,3 +34,13 @@ def test_swing_up(tmp_path: Path) -> None:
     found = run("swing_up", tmp_path)
     assert found["difference"] < 1e-7
     assert found["loss"] < 0.1 and found["rest"] < np.deg2rad(1.0)
+
+
+def test_optimal_control(tmp_path: Path) -> None:
+    found = run("optimal_control", tmp_path)
+    # The costs of the last states are soft, with weights of 1000 beside costs of order 1.
+    assert found["cart_pole"] < 0.01 and found["acrobot"] < 0.01
+    assert found["pick"] < 1e-5 and found["block"] < 0.01
+    assert abs(found["jump"] - found["asked"]) < 0.02 and found["landing"] < 0.1
+    # The push moves the humanoid; the controller keeps its centre of mass above its feet.
+    assert 0.005 < found["stand"].max() < 0.05

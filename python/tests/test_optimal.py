@@ -240,7 +240,7 @@ def test_controller_brings_the_mass_to_rest_and_follows_a_new_target() -> None:
 def test_wrong_parts_are_refused() -> None:
     robot = rd.example("panda")
     step = oc.SmoothStep(robot)
-    with pytest.raises(TypeError, match="SmoothStep, SimulationStep or LinearDynamics"):
+    with pytest.raises(TypeError, match="ImpactStep or LinearDynamics"):
         oc.Problem(robot, np.zeros(14), nodes=5)  # type: ignore[arg-type]
     with pytest.raises(rd.ShapeError, match=r"\(14,\), or be a pair \(q, v\)"):
         oc.Problem(step, np.zeros(7), nodes=5)
