@@ -61,8 +61,8 @@ class SmoothStep:
     dissipation: bool = field(default=True, kw_only=True)
     """Whether damping and friction act."""
     actuation: Numbers | str | None = field(default=None, kw_only=True)
-    """S: a matrix (nv, controls), ``"motors"`` for one control for each coordinate with a motor, or `None` for
-    one control for each coordinate."""
+    """S: a matrix (nv, controls), ``"motors"`` for one control for each coordinate with a motor, or `None`
+    for one control for each coordinate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +85,9 @@ class SimulationStep:
 class HeldContactStep:
     """Step of semi-implicit Euler with held contacts, such as the feet of a phase of a gait.
 
-    M a + C v + g = S u + Aᵀλ with A a = −Ȧv − d A v − p φ. The contacts are held for the whole phase: λ may pull
-    and slip. `FrictionPyramidResidual` in a cost or a constraint keeps it within friction. Damping and friction
-    of the joints are not included.
+    M a + C v + g = S u + Aᵀλ with A a = −Ȧv − d A v − p φ. The contacts are held for the whole phase: λ may
+    pull and slip. `FrictionPyramidResidual` in a cost or a constraint keeps it within friction. Damping and
+    friction of the joints are not included.
     """
 
     _kind: ClassVar[str] = "held_contact_step"
@@ -771,8 +771,9 @@ class Problem:
     ) -> SampledSolution:
         """Improve controls by random samples, without derivatives.
 
-        For costs and dynamics without useful derivatives, or to find a start for `solve`. Bounds on the controls
-        hold; constraints must be costs. The result depends on the seed, not on the number of threads.
+        For costs and dynamics without useful derivatives, or to find a start for `solve`. Bounds on the
+        controls hold; constraints must be costs. The result depends on the seed, not on the number of
+        threads.
 
         Parameters
         ----------

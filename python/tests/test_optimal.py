@@ -1,4 +1,4 @@
-"""Optimal control, against the Riccati recursion, numerical derivatives and the motions of the robot itself."""
+"""Optimal control, against the Riccati recursion, numerical derivatives and the motions of the robots."""
 
 from pathlib import Path
 

@@ -71,7 +71,7 @@ fn simulation_step(
 ) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
     let simulation = object.getattr("simulation")?.cast_into::<Simulation>()?;
     let simulation = simulation.borrow();
-    let robot = simulation.shared_robot(py);
+    let robot = simulation.robot(py);
     let model = shared_model(&robot.get().model, known);
     let step = SimulationStep::new(simulation.stepped());
     let step = match actuation_of(py, object, &model)? {

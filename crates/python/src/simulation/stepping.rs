@@ -35,11 +35,6 @@ impl Simulation {
         Self { robot, stepped, wrenches }
     }
 
-    /// The robot.
-    pub(crate) fn shared_robot(&self, py: Python<'_>) -> Py<Robot> {
-        self.robot.clone_ref(py)
-    }
-
     /// The simulation of the library.
     pub(crate) fn stepped(&self) -> &Stepped {
         &self.stepped
@@ -63,7 +58,7 @@ impl Simulation {
 
     /// The robot.
     #[getter]
-    fn robot(&self, py: Python<'_>) -> Py<Robot> {
+    pub(crate) fn robot(&self, py: Python<'_>) -> Py<Robot> {
         self.robot.clone_ref(py)
     }
 
