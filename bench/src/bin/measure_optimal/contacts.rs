@@ -146,7 +146,7 @@ fn state_bounds(robot: &Standing) -> Result<LeastSquares, Box<dyn Error>> {
 }
 
 /// A trot of two steps: 40 nodes of 10 ms with held feet, and impacts where feet land.
-pub fn trot() -> Result<Problem, Box<dyn Error>> {
+pub(crate) fn trot() -> Result<Problem, Box<dyn Error>> {
     let (length, height) = (0.15, 0.1);
     let mut robot = Standing::new("quadruped.urdf", &[0.0, 0.7, -1.4], &TROT, 0.01)?;
     let all = [0, 1, 2, 3];
@@ -206,7 +206,7 @@ pub fn trot() -> Result<Problem, Box<dyn Error>> {
 }
 
 /// A reach of the humanoid's hand with both feet held flat: 40 nodes of 20 ms.
-pub fn humanoid() -> Result<Problem, Box<dyn Error>> {
+pub(crate) fn humanoid() -> Result<Problem, Box<dyn Error>> {
     let robot = Standing::new("humanoid.urdf", &[0.0], &["left_foot", "right_foot"], 0.02)?;
     let held = robot.held(&[0, 1], true)?;
     let mut problem = Problem::new(held, &robot.x0, 40)?;
