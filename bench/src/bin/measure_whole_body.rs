@@ -68,7 +68,7 @@ fn humanoid(push: f64) -> Result<Case, Box<dyn Error>> {
     Ok(Case { name: "humanoid", model, q, trunk: "pelvis", contacts, push })
 }
 
-fn control<'m>(case: &'m Case, are_levels: bool) -> Result<WholeBodyControl<&'m Model>, Box<dyn Error>> {
+fn control(case: &Case, are_levels: bool) -> Result<WholeBodyControl<&Model>, Box<dyn Error>> {
     let Case { model, q, trunk, contacts, push, .. } = case;
     let mut control = WholeBodyControl::new(model);
     for (frame, geometry) in contacts {
@@ -127,7 +127,9 @@ fn measure(case: &Case, are_levels: bool, programs: &mut String) -> Result<(), B
         let step: Vec<f64> = v.iter().map(|v| 1e-3 * v).collect();
         let before = q.clone();
         integrate(&case.model, &before, &step, &mut q);
-        v.iter_mut().for_each(|v| *v = 0.98 * *v + random.uniform(-0.02, 0.02));
+        for v in &mut v {
+            *v = 0.98 * *v + random.uniform(-0.02, 0.02);
+        }
         let start = Instant::now();
         let solution = warm.solve(&q, &v)?;
         warm_times.push(1e6 * start.elapsed().as_secs_f64());

@@ -131,9 +131,9 @@ impl CurrentDynamics {
     /// i̇ for the current that the voltage drives in the end \[A/s\].
     ///
     /// ```
-    /// let inductance = robot_dynamics::description::CurrentDynamics { time_constant: 0.01, rate_limit: 50.0 };
-    /// assert_eq!(inductance.rate(1.2, 1.0), 20.0_f64.min(50.0) * (1.2 - 1.0) / 0.2);
-    /// assert_eq!(inductance.rate(3.0, 1.0), 50.0);
+    /// let inductance = robot_dynamics::description::CurrentDynamics { time_constant: 0.125, rate_limit: 5.0 };
+    /// assert_eq!(inductance.rate(1.25, 1.0), 2.0);
+    /// assert_eq!(inductance.rate(3.0, 1.0), 5.0);
     /// ```
     pub fn rate(&self, steady: f64, current: f64) -> f64 {
         let rate = (steady - current) / self.time_constant;

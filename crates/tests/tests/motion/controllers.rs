@@ -112,3 +112,25 @@ fn states_are_part_of_a_snapshot() {
     simulation.reset(&[0.0], &[0.0]).unwrap();
     assert_eq!(simulation.activations(), [0.0; 5]);
 }
+
+#[cfg(feature = "adaptive")]
+#[test]
+fn adaptive_steps_integrate_the_states() {
+    let model = Model::new(motorized()).unwrap();
+    let (_, reference) = end(&model, RK4, 5e-5);
+    let options = robot_dynamics::simulation::AdaptiveOptions::default();
+    let mut simulation = SimulationBuilder::new(&model).dt(1e-2).adaptive(options).build().unwrap();
+    simulation.reset(&[0.2], &[0.5]).unwrap();
+    simulation.set_controls(&[0.9]);
+    simulation.run_for(0.6).unwrap();
+    let end = [simulation.q(), simulation.v(), simulation.activations()].concat();
+    assert!(distance(&end, &reference) < 1e-7, "{end:?} {reference:?}");
+    // Single steps continue from the states of the step before.
+    simulation.reset(&[0.2], &[0.5]).unwrap();
+    simulation.set_controls(&[0.9]);
+    for _ in 0..60 {
+        simulation.step().unwrap();
+    }
+    let end = [simulation.q(), simulation.v(), simulation.activations()].concat();
+    assert!(distance(&end, &reference) < 1e-7, "{end:?} {reference:?}");
+}

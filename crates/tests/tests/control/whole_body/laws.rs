@@ -23,9 +23,8 @@ fn laws_without_active_limits_are_those_of_other_controllers() {
             let mut control = WholeBodyControl::new(&model);
             control.set_limits(WholeBodyLimits::none(&model)).expect("no limits");
             control.add_task(posture(&model, &home, 100.0), 3.0).expect("a task");
-            let reference = match posture(&model, &home, 100.0) {
-                Objective::Posture { reference, .. } => reference,
-                _ => unreachable!("a posture"),
+            let Objective::Posture { reference, .. } = posture(&model, &home, 100.0) else {
+                unreachable!("a posture")
             };
             let (stiffness, damping) = (vec![100.0; nv], vec![20.0; nv]);
             let mut other =

@@ -201,8 +201,7 @@ fn solutions_satisfy_the_optimality_conditions() {
     let model = quadruped();
     let home = standing(&model);
     let (mut active_count, mut kinds) = (0, std::collections::BTreeSet::new());
-    for seed in 0..30 {
-        let size = [0.02, 0.1, 0.2][seed as usize % 3];
+    for (seed, size) in (0..30).zip([0.02, 0.1, 0.2].into_iter().cycle()) {
         let (q, v) = near(&model, &home, size, seed);
         let trunk = model.frame_named("trunk").expect("a trunk");
         let feet = frames(&model, &FEET);
