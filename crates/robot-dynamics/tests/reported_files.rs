@@ -245,7 +245,7 @@ fn properties_of_joints_without_effect_are_no_warning() {
         read("some", &[("r.urdf", some.as_bytes())], &LoadOptions::default()).expect("a robot");
     assert_eq!(report.warnings().count(), 0, "{report}");
     let joint = &model.description().joints[0];
-    assert_eq!((joint.damping, joint.friction), (1.5, 0.2));
+    assert_eq!((joint.passive.damping, joint.passive.friction), (1.5, 0.2));
 }
 
 #[test]

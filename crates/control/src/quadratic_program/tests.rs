@@ -80,8 +80,8 @@ const TOLERANCE: f64 = 1e-9;
 #[test]
 fn solutions_satisfy_the_optimality_conditions() {
     let mut active = 0;
-    for seed in 0..200 {
-        let (n, rows) = (1 + seed as usize % 12, seed as usize % 31);
+    for (seed, index) in (0..200).zip(0_usize..) {
+        let (n, rows) = (1 + index % 12, index % 31);
         let program = Program::random(seed, n, rows);
         let (mut solver, mut x) = (DualActiveSet::new(n), vec![0.0; n]);
         solver.set_hessian(n, &program.hessian).expect("a positive definite H");
