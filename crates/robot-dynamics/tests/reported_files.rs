@@ -296,7 +296,7 @@ fn files_of_other_kinds_are_named() {
     let cases: [(&str, &[u8], &str); 3] = [
         ("robot.mjb", b"\x31\xd4\x00\x00 compiled model of MuJoCo \x00\x01", "MuJoCo"),
         ("robot.srdf", b"<robot name='r'><group name='arm'><joint name='j'/></group></robot>", "SRDF"),
-        ("robot.zip", b"PK\x03\x04\x14\x00\x00\x00\x00\x00", "zip"),
+        ("robot.zip", b"PK\x03\x04\x14\x00\x00\x00\x00\x00", "ZIP"),
     ];
     for (file, content, word) in cases {
         let message = read("other", &[(file, content)], &LoadOptions::default()).expect_err(file);
