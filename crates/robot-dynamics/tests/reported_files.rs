@@ -31,7 +31,7 @@ impl Drop for Folder {
     }
 }
 
-/// What a file gives: the robot and the report, or the message.
+/// The robot of a file and its report, or the message.
 fn read(name: &str, files: &[File<'_>], options: &LoadOptions) -> Result<(Model, LoadReport), String> {
     let folder = Folder::new(name, files);
     let read = load_description(folder.0.join(files[0].0), options).map_err(|error| error.to_string())?;
@@ -48,7 +48,7 @@ fn hinge(name: &str, files: &[File<'_>]) -> [f64; 2] {
 fn numbers(model: &Model) -> [f64; 2] {
     assert_eq!(model.nv(), 1);
     let links = &model.description().links;
-    let mass = links.iter().filter_map(|link| link.mass_properties.as_ref()).map(|body| body.mass()).sum();
+    let mass = links.iter().filter_map(|link| Some(link.mass_properties.as_ref()?.mass())).sum();
     [mass, model.mass_matrix(&[0.0]).expect("a configuration")[0]]
 }
 

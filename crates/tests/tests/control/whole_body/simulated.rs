@@ -64,8 +64,8 @@ fn the_example_lifts_a_foot() {
     assert!(most > 1e-3 && most < 0.015, "{most}");
     // 0.2 s after the push (1 + 2.4) exp(−2.4) = 0.31 of it is left.
     assert!(left < 0.5 * most, "{left}");
-    // Friction of 0.1 N·m holds a resting knee off by up to 0.1/(150·0.004) = 0.17 rad, 33 mm at the foot, with
-    // the stiffness 150 1/s² and the inertia 0.004 kg·m². The compensation of friction leaves a part of it.
+    // Friction of 0.1 N·m holds a resting knee off by up to 0.1/(150·0.004) = 0.17 rad, 33 mm at the foot,
+    // with the stiffness 150 1/s² and the inertia 0.004 kg·m². Its compensation leaves a part of that.
     assert!(numbers.height > 0.03 && numbers.height < 0.055, "{}", numbers.height);
     assert!((numbers.carried - 1.0).abs() < 0.05, "{}", numbers.carried);
     let (_, load) = numbers.loads.last().expect("a step");
