@@ -1,5 +1,7 @@
 """Golden files: JSON with one state, link or joint per line, and numbers that parse to the same binary64."""
 
+import datetime
+import importlib.metadata
 import json
 import math
 
@@ -35,6 +37,19 @@ def text(x, lines=2):
     if isinstance(x, list) and x and isinstance(x[0], dict):
         return "[\n" + ",\n".join(text(value, 0) for value in x) + "\n]"
     return compact
+
+
+def mujoco_provenance(script, robot_files):
+    """The origin of MuJoCo's numbers: versions, the script in this folder, date, and files of robots."""
+    versions = {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")}
+    return {
+        "tool": "MuJoCo",
+        "version": versions["mujoco"],
+        "packages": versions,
+        "command": f"python3 bench/golden/{script}",
+        "date": datetime.date.today().isoformat(),
+        "robot_files": f"this project's own: {robot_files}",
+    }
 
 
 def write(path, record):

@@ -9,8 +9,6 @@ current in RK4 steps with an error of first order. Here `actearly` is off, and t
 Runge-Kutta steps over the accelerations and rates of `mj_forward`. Numbers are in MuJoCo's convention.
 """
 
-import datetime
-import importlib.metadata
 import zlib
 
 import environment
@@ -89,14 +87,7 @@ def main():
     """Writes the file."""
     root = environment.ROOT
     result = {
-        "provenance": {
-            "tool": "MuJoCo",
-            "version": mujoco.__version__,
-            "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
-            "command": "python3 bench/golden/make_controller_golden.py",
-            "date": datetime.date.today().isoformat(),
-            "robot_files": "this project's own: testdata/mjcf/controller_states/*.xml",
-        },
+        "provenance": golden_file.mujoco_provenance("make_controller_golden.py", "testdata/mjcf/controller_states/*.xml"),
         "files": {file: record(root / file) for file in FILES},
     }
     golden_file.write(root / "testdata/mjcf/controller_states/golden.json", result)

@@ -7,8 +7,6 @@ ellipsoids, and motions by its RK4 and by its Euler steps.
 Numbers are in MuJoCo's convention.
 """
 
-import datetime
-import importlib.metadata
 import zlib
 
 import environment
@@ -86,14 +84,7 @@ def main():
     """Writes the file."""
     root = environment.ROOT
     result = {
-        "provenance": {
-            "tool": "MuJoCo",
-            "version": mujoco.__version__,
-            "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
-            "command": "python3 bench/golden/make_fluid_golden.py",
-            "date": datetime.date.today().isoformat(),
-            "robot_files": "this project's own: testdata/mjcf/fluid/*.xml",
-        },
+        "provenance": golden_file.mujoco_provenance("make_fluid_golden.py", "testdata/mjcf/fluid/*.xml"),
         "files": {file: record(root / file) for file in FILES},
     }
     golden_file.write(root / "testdata/mjcf/fluid/golden.json", result)

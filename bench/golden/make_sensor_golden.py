@@ -8,8 +8,6 @@ Accelerations, forces of actuators and limits, and contact forces are MuJoCo's o
 convention.
 """
 
-import datetime
-import importlib.metadata
 import zlib
 from pathlib import Path
 
@@ -118,14 +116,7 @@ def main():
     """Writes the file."""
     root = environment.ROOT
     result = {
-        "provenance": {
-            "tool": "MuJoCo",
-            "version": mujoco.__version__,
-            "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
-            "command": "python3 bench/golden/make_sensor_golden.py",
-            "date": datetime.date.today().isoformat(),
-            "robot_files": "this project's own: testdata/mjcf/sensors/*.xml",
-        },
+        "provenance": golden_file.mujoco_provenance("make_sensor_golden.py", "testdata/mjcf/sensors/*.xml"),
         "files": {file: record(root / Path(file)) for file in FILES},
     }
     golden_file.write(root / "testdata" / "mjcf" / "sensors" / "golden.json", result)
