@@ -6,6 +6,7 @@
 //! δq has nv numbers, also with quaternions. The sign of a friction force is held constant. Variational rows
 //! solve an equation and are refused; `differences` serves every other stepper.
 
+mod checks;
 mod differences;
 pub(crate) mod displacement;
 pub(super) mod product;
@@ -18,17 +19,16 @@ use robot_dynamics_core::{
     ForwardDynamicsDerivativesMut, Model, Workspace, check_rank, dissipation_derivative, forward_dynamics,
     forward_dynamics_derivatives, integrate,
 };
-use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Integrator, IntegratorError, Stage, StepScheme, check_computed};
-use robot_dynamics_number::check_finite;
 
+use self::checks::check_inputs;
 use self::displacement::{add_identity, rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
 use crate::motion::RobotState;
+use crate::motion::integrate::net_force;
 use crate::motion::integrate::stage_memory::most_stages;
 use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
-use crate::motion::integrate::{check_step, net_force};
 use crate::motion::simulate::StepError;
 
 pub use self::differences::linearize_by_differences;
@@ -136,18 +136,9 @@ pub fn linearize_step(
     forces: &StepForces<'_>,
     h: f64,
     RobotState { q, v }: RobotState<'_>,
-    LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
+    mut out: LinearizedStep<'_>,
 ) -> Result<(), StepError> {
-    let nv = model.nv;
-    check_step(h)?;
-    check_length("q", q.len(), model.nq);
-    check_length("v", v.len(), nv);
-    check_length("tau", forces.tau.len(), nv);
-    check_length("A", by_state.len(), 4 * nv * nv);
-    check_length("B", by_force.len(), 2 * nv * nv);
-    for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
-        check_finite(quantity, values)?;
-    }
+    check_inputs(model, forces, h, RobotState { q, v }, &out)?;
     check_rank(model, &mut workspace.dynamics, q)?;
     match integrator.scheme() {
         StepScheme::Explicit(stages) => explicit(model, workspace, stages, forces, h, q, v)?,
@@ -155,8 +146,7 @@ pub fn linearize_step(
     }
     check_computed("the derivative of q", &workspace.q_change)?;
     check_computed("the derivative of v", &workspace.v_change)?;
-    let mut out = LinearizedStep { by_state, by_force };
-    out.write_changes(nv, &workspace.q_change, &workspace.v_change);
+    out.write_changes(model.nv, &workspace.q_change, &workspace.v_change);
     Ok(())
 }
 

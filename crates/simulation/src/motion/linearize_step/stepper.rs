@@ -1,13 +1,11 @@
 //! The derivatives of one step of any stepper, analytic where the method has them.
 
 use robot_dynamics_core::Model;
-use robot_dynamics_description::check_length;
-use robot_dynamics_number::check_finite;
 
+use super::checks::check_inputs;
 use super::differences::linearize_by_differences;
 use super::results::{LinearizationMethod, LinearizedStep};
 use crate::motion::RobotState;
-use crate::motion::integrate::check_step;
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// A and B of one step of any [`Stepper`]: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, with contact, stops and dry
@@ -61,18 +59,10 @@ pub fn linearize_stepper<S: Stepper + Clone>(
     forces: &StepForces<'_>,
     h: f64,
     RobotState { q, v }: RobotState<'_>,
-    LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
+    out: LinearizedStep<'_>,
 ) -> Result<LinearizationMethod, StepError> {
-    let nv = model.nv();
-    check_step(h)?;
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), nv);
-    check_length("tau", forces.tau.len(), nv);
-    check_length("A", by_state.len(), 4 * nv * nv);
-    check_length("B", by_force.len(), 2 * nv * nv);
-    for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
-        check_finite(quantity, values)?;
-    }
+    check_inputs(model, forces, h, RobotState { q, v }, &out)?;
+    let LinearizedStep { by_state, by_force } = out;
     let out = LinearizedStep { by_state: &mut *by_state, by_force: &mut *by_force };
     let method = stepper.linearize(model, workspace, forces, h, RobotState { q, v }, out)?;
     if matches!(method, LinearizationMethod::Differences { .. }) {

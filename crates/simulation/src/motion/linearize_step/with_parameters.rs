@@ -2,11 +2,10 @@
 
 use robot_dynamics_core::{Model, PARAMETERS_PER_LINK};
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::check_finite;
 
-use super::results::{LinearizationMethod, LinearizedStep, LinearizedStepWithParameters};
+use super::checks::check_inputs;
+use super::results::{LinearizationMethod, LinearizedStepWithParameters};
 use crate::motion::RobotState;
-use crate::motion::integrate::check_step;
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// [`linearize_stepper`](crate::linearize_stepper) with the derivatives by controls of actuators, inertial
@@ -69,13 +68,7 @@ pub fn linearize_stepper_with_parameters<S: Stepper>(
 ) -> Result<LinearizationMethod, StepError> {
     let nv = model.nv();
     let LinearizedStepWithParameters { step, by_control, by_inertial, by_friction } = &out;
-    let LinearizedStep { by_state, by_force } = step;
-    check_step(h)?;
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), nv);
-    check_length("tau", forces.tau.len(), nv);
-    check_length("A", by_state.len(), 4 * nv * nv);
-    check_length("B", by_force.len(), 2 * nv * nv);
+    check_inputs(model, forces, h, RobotState { q, v }, step)?;
     for (name, given, columns) in [
         ("the derivatives by controls", by_control.len(), stepper.control_count()),
         (
@@ -88,9 +81,6 @@ pub fn linearize_stepper_with_parameters<S: Stepper>(
         if given > 0 {
             check_length(name, given, 2 * nv * columns);
         }
-    }
-    for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
-        check_finite(quantity, values)?;
     }
     let method = stepper.linearize_with_parameters(model, workspace, forces, h, RobotState { q, v }, out)?;
     match method {

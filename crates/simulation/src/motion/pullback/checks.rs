@@ -1,8 +1,12 @@
 //! The checks of the input of pullbacks.
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
+use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{InputProblem, InvalidInput, Scalar, Specialization, TypeFamily};
+
+use super::cotangents::{MotionCotangents, TrajectoryCotangents};
+use crate::motion::RobotState;
 
 /// A slice of numbers of any type.
 struct SliceInputs<'a>(core::marker::PhantomData<&'a ()>);
@@ -55,4 +59,46 @@ pub(super) fn check_mass<S: Scalar>(
         Specialization::F64((workspace, q)) => check_rank(model, workspace, q),
         Specialization::F32(_) | Specialization::Other(_) => Ok(()),
     }
+}
+
+/// Checks the lengths of a rollout's arguments, q and v apart.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[track_caller]
+pub(super) fn check_rollout_lengths<S>(
+    nv: usize,
+    (steps, samples): (usize, usize),
+    tau: &[S],
+    trajectory: &TrajectoryCotangents<'_, S>,
+    cotangents: &MotionCotangents<'_, S>,
+) {
+    let is_held = tau.is_empty() || tau.len() == nv;
+    check_length("tau", tau.len(), if is_held { tau.len() } else { steps * nv });
+    check_length("the cotangent of the trajectory's q", trajectory.by_position.len(), samples * nv);
+    check_length("the cotangent of the trajectory's v", trajectory.by_velocity.len(), samples * nv);
+    check_length("the cotangent of q", cotangents.by_position.len(), nv);
+    check_length("the cotangent of v", cotangents.by_velocity.len(), nv);
+    check_length("the cotangent of tau", cotangents.by_force.len(), tau.len());
+}
+
+/// Checks that the floats of a rollout's arguments are finite.
+pub(super) fn check_rollout_floats<S: Scalar>(
+    RobotState { q, v }: RobotState<'_, S>,
+    tau: &[S],
+    trajectory: &TrajectoryCotangents<'_, S>,
+    cotangents: &MotionCotangents<'_, S>,
+) -> Result<(), InvalidInput> {
+    for (quantity, numbers) in [
+        ("q", q),
+        ("v", v),
+        ("tau", tau),
+        ("the cotangent of the trajectory's q", trajectory.by_position),
+        ("the cotangent of the trajectory's v", trajectory.by_velocity),
+        ("the cotangent of q", &*cotangents.by_position),
+        ("the cotangent of v", &*cotangents.by_velocity),
+    ] {
+        check_given(quantity, numbers)?;
+    }
+    Ok(())
 }

@@ -7,7 +7,7 @@ use robot_dynamics_integrators::StepScheme;
 use robot_dynamics_number::Scalar;
 
 use super::checkpoints::{memory_size, pull_back};
-use super::checks::{check_floats, check_given, check_mass};
+use super::checks::{check_floats, check_mass, check_rollout_floats, check_rollout_lengths};
 use super::cotangents::{MotionCotangents, TrajectoryCotangents};
 use super::rollout::Rollout;
 use super::stages::add;
@@ -126,34 +126,18 @@ pub fn rollout_pullback<S: Scalar>(
     trajectory: TrajectoryCotangents<'_, S>,
     cotangents: MotionCotangents<'_, S>,
 ) -> Result<(), StepError> {
-    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(rollout.step)?;
     let (w, nv) = (workspace, model.nv);
     w.dynamics.check_inputs(model, q);
     check_length("the workspace's steps", w.steps, rollout.steps);
     check_length("v", v.len(), nv);
-    let is_held = tau.is_empty() || tau.len() == nv;
-    check_length("tau", tau.len(), if is_held { tau.len() } else { rollout.steps * nv });
-    check_length("the cotangent of the trajectory's q", trajectory.by_position.len(), rollout.samples() * nv);
-    check_length("the cotangent of the trajectory's v", trajectory.by_velocity.len(), rollout.samples() * nv);
-    check_length("the cotangent of q", by_position.len(), nv);
-    check_length("the cotangent of v", by_velocity.len(), nv);
-    check_length("the cotangent of tau", by_force.len(), tau.len());
-    check_parameters(model, parameters);
+    check_rollout_lengths(nv, (rollout.steps, rollout.samples()), tau, &trajectory, &cotangents);
+    check_parameters(model, cotangents.parameters);
     let StepScheme::Explicit(stages) = rollout.integrator.scheme() else {
         return Err(StepError::NotDifferentiable { integrator: rollout.integrator });
     };
-    for (quantity, numbers) in [
-        ("q", q),
-        ("v", v),
-        ("tau", tau),
-        ("the cotangent of the trajectory's q", trajectory.by_position),
-        ("the cotangent of the trajectory's v", trajectory.by_velocity),
-        ("the cotangent of q", by_position),
-        ("the cotangent of v", by_velocity),
-    ] {
-        check_given(quantity, numbers)?;
-    }
+    check_rollout_floats(RobotState { q, v }, tau, &trajectory, &cotangents)?;
+    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_mass(model, &mut w.dynamics, q)?;
     w.by_position.copy_from_slice(by_position);
     w.by_velocity.copy_from_slice(by_velocity);

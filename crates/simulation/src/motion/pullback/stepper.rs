@@ -3,7 +3,7 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
 
-use super::checks::{check_floats, check_given};
+use super::checks::{check_floats, check_given, check_rollout_floats, check_rollout_lengths};
 use super::cotangents::{MotionCotangents, TrajectoryCotangents};
 use super::stepper_checkpoints::{StepperPullbackWorkspace, multiply_transposed, pull_back_by_stepper};
 use super::stepper_rollout::StepperRollout;
@@ -144,31 +144,15 @@ pub fn rollout_pullback_by_stepper<S: Stepper + Clone>(
     trajectory: TrajectoryCotangents<'_, f64>,
     cotangents: MotionCotangents<'_, f64>,
 ) -> Result<LinearizedSteps, StepError> {
-    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     let RobotState { q, v } = state;
     let nv = model.nv;
     check_step(rollout.step)?;
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), nv);
-    let is_held = tau.is_empty() || tau.len() == nv;
-    check_length("tau", tau.len(), if is_held { tau.len() } else { rollout.steps * nv });
-    check_length("the cotangent of the trajectory's q", trajectory.by_position.len(), rollout.samples() * nv);
-    check_length("the cotangent of the trajectory's v", trajectory.by_velocity.len(), rollout.samples() * nv);
-    check_length("the cotangent of q", by_position.len(), nv);
-    check_length("the cotangent of v", by_velocity.len(), nv);
-    check_length("the cotangent of tau", by_force.len(), tau.len());
-    check_length("the parameters", parameters.len(), 0);
-    for (quantity, numbers) in [
-        ("q", q),
-        ("v", v),
-        ("tau", tau),
-        ("the cotangent of the trajectory's q", trajectory.by_position),
-        ("the cotangent of the trajectory's v", trajectory.by_velocity),
-        ("the cotangent of q", by_position),
-        ("the cotangent of v", by_velocity),
-    ] {
-        check_given(quantity, numbers)?;
-    }
+    check_rollout_lengths(nv, (rollout.steps, rollout.samples()), tau, &trajectory, &cotangents);
+    check_length("the parameters", cotangents.parameters.len(), 0);
+    check_rollout_floats(RobotState { q, v }, tau, &trajectory, &cotangents)?;
+    let MotionCotangents { by_position, by_velocity, by_force, .. } = cotangents;
     let (mut by_q, mut by_v) = (by_position.to_vec(), by_velocity.to_vec());
     by_force.fill(0.0);
     let mut tables = RolloutTables { tau, trajectory, by_force };
