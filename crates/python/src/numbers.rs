@@ -47,6 +47,14 @@ pub(crate) fn shaped(
     Err(Class::Shape.error(py, format!("{name} has shape {}, it must have {asked}", shown(&found))))
 }
 
+/// N numbers.
+pub(crate) fn several<const N: usize>(name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
+    let (_, x) = shaped(object.py(), name, object, &[N])?;
+    let mut numbers = [0.0; N];
+    numbers.copy_from_slice(&x);
+    Ok(numbers)
+}
+
 /// nv finite numbers.
 pub(crate) fn vector(
     py: Python<'_>,

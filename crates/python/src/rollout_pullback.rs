@@ -370,6 +370,7 @@ impl<'py> RolloutPullbackRequest<'_, 'py> {
             Err(error) => Err(exception(error)),
         }
     }
+
     fn torques<'a, T>(&self, tau: &'a [T]) -> Torques<'a, T> {
         match (self.has_tau, self.each_step) {
             (false, _) => Torques::Zero,

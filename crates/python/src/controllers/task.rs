@@ -11,7 +11,7 @@ use robot_dynamics::simulation::ControllerError;
 use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
 use crate::constraints::spatial_axes;
 use crate::errors::{Class, exception_of};
-use crate::numbers::{configuration, numbers, pose_of, shaped};
+use crate::numbers::{configuration, numbers, pose_of, several, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
 
@@ -195,13 +195,6 @@ fn task_rows(names: &[String], shape: &[usize]) -> PyResult<Vec<SpatialAxis>> {
             names[index]
         ))),
     }
-}
-
-fn several<const N: usize>(name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
-    let (_, x) = shaped(object.py(), name, object, &[N])?;
-    let mut numbers = [0.0; N];
-    numbers.copy_from_slice(&x);
-    Ok(numbers)
 }
 
 const VELOCITY: &str = "the reference's velocity";

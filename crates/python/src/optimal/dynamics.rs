@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use robot_dynamics::InvalidInput;
 use robot_dynamics::constraints::RowFeedback;
 use robot_dynamics::control::optimal::{
     ActuationMatrix, DiscreteDynamics, HeldContactStep, ImpactStep, LinearDynamics, SimulationStep,
@@ -29,7 +30,7 @@ pub(super) fn dynamics_of(
     let kind = object.getattr("_kind").and_then(|kind| kind.extract::<String>());
     match kind.as_deref() {
         Ok("smooth_step") => smooth_step(py, object, known),
-        Ok("simulation_step") => simulation_step(py, object, known),
+        Ok("simulation_step") => simulation_step(py, object),
         Ok("held_contact_step") => {
             let space = space_of(object, known)?;
             let step = held_contact_step(py, object, &space)?;
@@ -50,46 +51,39 @@ fn smooth_step(
     object: &Bound<'_, PyAny>,
     known: Option<&Space>,
 ) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
-    let robot = object.getattr("robot")?.cast_into::<Robot>()?.unbind();
-    let model = shared_model(&robot.get().model, known);
+    let space = space_of(object, known)?;
+    let (_, model) = space.robot(py, "SmoothStep")?;
     let name: String = object.getattr("integrator")?.extract()?;
     let integrator = integrator_of(py, &name)?;
     let (dt, dissipation) = (object.getattr("dt")?.extract()?, object.getattr("dissipation")?.extract()?);
-    let step = SmoothStep::new(Arc::clone(&model), integrator, dt).map_err(exception)?;
+    let step = SmoothStep::new(Arc::clone(model), integrator, dt).map_err(exception)?;
     let step = step.with_dissipation(dissipation);
-    let step = match actuation_of(py, object, &model)? {
-        Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error))?,
-        None => step,
-    };
-    Ok((Box::new(step), Space::of_robot(robot, model)))
+    let step = with_actuation(py, object, model, step, SmoothStep::with_actuation)?;
+    Ok((Box::new(step), space))
 }
 
 fn simulation_step(
     py: Python<'_>,
     object: &Bound<'_, PyAny>,
-    known: Option<&Space>,
 ) -> PyResult<(Box<dyn DiscreteDynamics>, Space)> {
     let simulation = object.getattr("simulation")?.cast_into::<Simulation>()?;
     let simulation = simulation.borrow();
-    let robot = simulation.robot(py);
-    let model = shared_model(&robot.get().model, known);
+    let model = Arc::clone(simulation.stepped().shared_model());
     let step = SimulationStep::new(simulation.stepped());
-    let step = match actuation_of(py, object, &model)? {
-        Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error))?,
-        None => step,
-    };
-    Ok((Box::new(step), Space::of_robot(robot, model)))
+    let step = with_actuation(py, object, &model, step, SimulationStep::with_actuation)?;
+    Ok((Box::new(step), Space::of_robot(simulation.robot(py), model)))
 }
 
 /// The space of an object with a robot: the known one if it belongs to this robot.
 fn space_of(object: &Bound<'_, PyAny>, known: Option<&Space>) -> PyResult<Space> {
     let robot = object.getattr("robot")?.cast_into::<Robot>()?.unbind();
-    let model = shared_model(&robot.get().model, known);
+    let model = &robot.get().model;
     match known {
-        Some(known) if known.states.model().is_some_and(|own| Arc::ptr_eq(own, &model)) => {
-            Ok(known.share(object.py()))
+        Some(known) if known.is_of(model) => Ok(known.share(object.py())),
+        _ => {
+            let model = Arc::new(model.clone());
+            Ok(Space::of_robot(robot, model))
         }
-        _ => Ok(Space::of_robot(robot, model)),
     }
 }
 
@@ -106,10 +100,7 @@ pub(super) fn held_contact_step(
         let feedback = RowFeedback { position: position.extract()?, velocity: velocity.extract()? };
         let (set, dt) = (constraints.get().of(py, robot)?, object.getattr("dt")?.extract()?);
         let step = HeldContactStep::new(Arc::clone(model), set, feedback, dt).map_err(exception)?;
-        match actuation_of(py, object, model)? {
-            Some(actuation) => step.with_actuation(actuation).map_err(|error| raised(py, error)),
-            None => Ok(step),
-        }
+        with_actuation(py, object, model, step, HeldContactStep::with_actuation)
     })
 }
 
@@ -140,15 +131,6 @@ fn linear(py: Python<'_>, object: &Bound<'_, PyAny>) -> PyResult<(Box<dyn Discre
     Ok((Box::new(dynamics), Space::vector(n)))
 }
 
-/// The model that all parts of a problem share.
-fn shared_model(model: &Model, known: Option<&Space>) -> Arc<Model> {
-    let known = known.and_then(|space| space.states.model());
-    match known {
-        Some(own) if own.fingerprint() == model.fingerprint() => Arc::clone(own),
-        _ => Arc::new(model.clone()),
-    }
-}
-
 /// An integrator by its name.
 fn integrator_of(py: Python<'_>, name: &str) -> PyResult<Integrator> {
     Integrator::from_name(name).map_err(|_| {
@@ -159,6 +141,20 @@ fn integrator_of(py: Python<'_>, name: &str) -> PyResult<Integrator> {
         );
         Class::SimulationInput.error(py, said)
     })
+}
+
+/// The step with the actuation of its object.
+fn with_actuation<T>(
+    py: Python<'_>,
+    object: &Bound<'_, PyAny>,
+    model: &Model,
+    step: T,
+    set: impl FnOnce(T, ActuationMatrix) -> Result<T, InvalidInput>,
+) -> PyResult<T> {
+    match actuation_of(py, object, model)? {
+        Some(actuation) => set(step, actuation).map_err(|error| raised(py, error)),
+        None => Ok(step),
+    }
 }
 
 /// S of an object with `actuation`: `None` for τ = u.

@@ -17,7 +17,7 @@ use super::function::FunctionResidual;
 use super::raised;
 use super::space::Space;
 use crate::errors::Class;
-use crate::numbers::{numbers, pose_of, shaped};
+use crate::numbers::{numbers, pose_of, several, shaped};
 use crate::row::reference_frame_of;
 
 /// The cost of a list of `LeastSquares` terms at a node with this number of controls.
@@ -103,7 +103,7 @@ pub(super) fn residual_of(
         }
         Ok("frame_translation") => {
             let (model, frame) = frame_of(py, space, object)?;
-            let target = several(py, "the target position", &target()?)?;
+            let target = several("the target position", &target()?)?;
             Box::new(FrameTranslationResidual::new(model, frame, target).map_err(refused)?)
         }
         Ok("frame_rotation") => {
@@ -122,13 +122,12 @@ pub(super) fn residual_of(
             let name: String = object.getattr("reference_frame")?.extract()?;
             let axes: ReferenceFrame = reference_frame_of("reference_frame", &name)?;
             let target = target()?;
-            let target =
-                if target.is_none() { [0.0; 6] } else { several(py, "the target velocity", &target)? };
+            let target = if target.is_none() { [0.0; 6] } else { several("the target velocity", &target)? };
             Box::new(FrameVelocityResidual::new(model, frame, axes, target).map_err(refused)?)
         }
         Ok("center_of_mass") => {
             let (_, model) = space.robot(py, "CenterOfMassResidual")?;
-            let target = several(py, "the target position", &target()?)?;
+            let target = several("the target position", &target()?)?;
             Box::new(CenterOfMassResidual::new(Arc::clone(model), target).map_err(refused)?)
         }
         Ok("contact_force") => Box::new(contact_force(py, space, object)?),
@@ -183,11 +182,4 @@ fn frame_of(py: Python<'_>, space: &Space, object: &Bound<'_, PyAny>) -> PyResul
     let (robot, model) = space.robot(py, &object.get_type().name()?.to_string())?;
     let frame = robot.frame_of(&object.getattr("frame")?)?;
     Ok((Arc::clone(model), frame))
-}
-
-fn several<const N: usize>(py: Python<'_>, name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
-    let (_, x) = shaped(py, name, object, &[N])?;
-    let mut numbers = [0.0; N];
-    numbers.copy_from_slice(&x);
-    Ok(numbers)
 }

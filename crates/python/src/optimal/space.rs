@@ -38,6 +38,11 @@ impl Space {
         Self { states: StateSpace::vector(n), robot: None, held: no_steps() }
     }
 
+    /// Whether the states are those of this robot.
+    pub(super) fn is_of(&self, model: &Model) -> bool {
+        self.states.model().is_some_and(|own| own.fingerprint() == model.fingerprint())
+    }
+
     pub(super) fn share(&self, py: Python<'_>) -> Self {
         let robot = self.robot.as_ref().map(|robot| robot.clone_ref(py));
         Self { states: self.states.clone(), robot, held: Arc::clone(&self.held) }
