@@ -256,7 +256,7 @@ fn removed_parts_take_their_references_with_them() {
     run_alone(&robot);
 }
 
-/// A link with two parents is no tree. Without one of its joints it is, and nothing else is lost.
+/// A link with two parents closes a loop. Without one of its joints the robot is a tree, and all else stays.
 #[test]
 fn removing_a_joint_cuts_a_loop() {
     let mut robot = pendulum(2.0, 0.5);

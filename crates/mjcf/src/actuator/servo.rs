@@ -173,7 +173,7 @@ impl Settings {
     }
 }
 
-/// The integral term with this gain; a limit of 0 is none.
+/// The integral term with this gain. A limit of 0 means that there is no limit.
 fn integral(gain: f64, limit: f64) -> Option<IntegralAction> {
     let limit = if limit > 0.0 { limit } else { f64::INFINITY };
     (gain > 0.0).then_some(IntegralAction { gain, limit })
