@@ -9,20 +9,22 @@
 //! Levenberg–Marquardt method*, IEEE Trans. Robotics 27 (2011); Beeson, Ames, *TRAC-IK*, Humanoids 2015.
 //! **(MR §6.2)**
 
-mod attempt;
 pub(crate) mod bounds;
 mod damped_step;
-mod error;
+pub(crate) mod error;
+mod frame_problem;
+pub(crate) mod iteration;
 mod options;
 
 pub use error::InverseKinematicsError;
 pub use options::{FrameTarget, InverseKinematicsOptions, InverseKinematicsSolution};
 
-use robot_dynamics_core::{FrameId, Model, Workspace, check_configuration, random_within_limits};
-use robot_dynamics_number::SplitMix64;
+use robot_dynamics_core::{FrameId, Model, Workspace, check_configuration};
 
-use self::attempt::{Attempt, IterationBudget};
+use self::bounds::Bounds;
 use self::error::{check_options, check_target};
+use self::frame_problem::FrameProblem;
+use self::iteration::{Iteration, Search};
 
 /// Finds a configuration within the limits in which a frame reaches its target: T(q) = T\*, or p(q) = p\*.
 ///
@@ -87,24 +89,19 @@ pub fn inverse_kinematics(
     check_target(&target)?;
     check_configuration(model, start).map_err(|error| error.of("the start's q"))?;
 
-    let mut attempt = Attempt::new(model, frame, &target, options);
-    let mut best = attempt.run(workspace, start, IterationBudget::Short);
-    let mut random = SplitMix64::new(options.seed);
-    while !best.is_found && best.solution.restarts < options.max_restarts {
-        let start = random_within_limits(model, &mut random);
-        best = best.nearer(attempt.run(workspace, &start, IterationBudget::Short));
-    }
-    if !best.is_found {
-        // Continue to the nearest local minimum.
-        let start = best.solution.q.clone();
-        best = best.joined(attempt.run(workspace, &start, IterationBudget::Long));
-    }
-    if best.is_found {
-        return Ok(best.solution);
+    let bounds = Bounds::new(model);
+    let mut problem = FrameProblem::new(model, (frame, &target), options, &bounds);
+    let found = Iteration::new(model, options, &bounds).search(&mut problem, workspace, start);
+    let error = problem.error(workspace, &found.q);
+    let Search { q, evaluation, iterations, restarts } = found;
+    let (position_error, angle_error) = (error.position, error.angle);
+    let solution = InverseKinematicsSolution { q, position_error, angle_error, iterations, restarts };
+    if evaluation.is_found {
+        return Ok(solution);
     }
     Err(InverseKinematicsError::NoSolution {
         frame: name.clone(),
         robot: model.name().to_owned(),
-        best: Box::new(best.solution),
+        best: Box::new(solution),
     })
 }

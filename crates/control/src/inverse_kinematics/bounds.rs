@@ -14,6 +14,7 @@ pub(crate) struct Bound {
 }
 
 /// The bounds of all coordinates with limits.
+#[derive(Clone, Debug)]
 pub(crate) struct Bounds(pub Vec<Bound>);
 
 impl Bounds {
@@ -43,8 +44,17 @@ impl Bounds {
         Self(bounds)
     }
 
+    /// Writes the distances of all coordinates from their limits, infinite without one.
+    pub(crate) fn write_room(&self, q: &[f64], lower: &mut [f64], upper: &mut [f64]) {
+        lower.fill(f64::NEG_INFINITY);
+        upper.fill(f64::INFINITY);
+        for bound in &self.0 {
+            (lower[bound.v], upper[bound.v]) = (bound.lower - q[bound.q], bound.upper - q[bound.q]);
+        }
+    }
+
     /// Moves each coordinate beyond a limit to that limit.
-    pub(super) fn clamp(&self, q: &mut [f64]) {
+    pub(crate) fn clamp(&self, q: &mut [f64]) {
         for bound in &self.0 {
             q[bound.q] = q[bound.q].max(bound.lower).min(bound.upper);
         }

@@ -41,13 +41,13 @@ impl Classified for InverseKinematicsError {
 }
 
 /// Checks that the tolerances are in their range.
-pub(super) fn check_options(options: &InverseKinematicsOptions) -> Result<(), InvalidInput> {
+pub(crate) fn check_options(options: &InverseKinematicsOptions) -> Result<(), InvalidInput> {
     check_positive("the position tolerance", options.position_tolerance, "m")?;
     check_positive("the angle tolerance", options.angle_tolerance, "rad")
 }
 
 /// Checks that the target is valid.
-pub(super) fn check_target(target: &FrameTarget) -> Result<(), InvalidInput> {
+pub(crate) fn check_target(target: &FrameTarget) -> Result<(), InvalidInput> {
     match target {
         FrameTarget::Position(position) => check_finite("the target's position", position),
         FrameTarget::Pose(pose) => {
