@@ -6,6 +6,7 @@ mod lqr;
 mod operational_space;
 pub mod optimal;
 mod quadratic_program;
+pub mod task_kinematics;
 mod time_parameterization;
 pub mod whole_body;
 

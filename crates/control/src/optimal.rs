@@ -46,3 +46,4 @@ pub use residual::{
 pub use sampling::{Sampling, SamplingLaw, SamplingOptions, SamplingRecord, SamplingReport};
 pub use solver::{Fddp, FddpOptions, FddpReport, IterationRecord, Termination};
 pub use state_space::StateSpace;
+pub(crate) use state_space::each_quaternion_block;

@@ -213,7 +213,7 @@ pub mod control {
         TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr,
         inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
         operational_space_into, optimal, path_coefficients, physical_consistency, pseudo_inertia,
-        time_optimal, whole_body,
+        task_kinematics, time_optimal, whole_body,
     };
 }
 

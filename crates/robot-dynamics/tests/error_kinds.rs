@@ -6,6 +6,7 @@ use std::path::Path;
 use robot_dynamics::ErrorKind::{self, *};
 use robot_dynamics::algorithms::{MotionError, SingularMass};
 use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::task_kinematics::{KinematicLimit, TaskKinematicsError};
 use robot_dynamics::control::whole_body::{Limit, WholeBodyError};
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
@@ -108,6 +109,10 @@ fn errors_of_control() {
     check(DlqrError::from(bad_input()), InvalidInput);
     check(ParameterizationError::from(bad_input()), InvalidInput);
     check(ParameterizationError::Standstill { s: 0.0 }, Infeasible);
+    check(TaskKinematicsError::from(bad_input()), InvalidInput);
+    check(TaskKinematicsError::NotConverged { steps: 3 }, NotConverged);
+    let limit = KinematicLimit::Velocity { dof: 0 };
+    check(TaskKinematicsError::Infeasible { limit }, Infeasible);
     check(WholeBodyError::from(bad_input()), InvalidInput);
     check(WholeBodyError::Infeasible { limit: Limit::Torque { dof: 6 } }, Infeasible);
     check(WholeBodyError::ContradictoryContacts { residual: 1.0 }, Infeasible);

@@ -21,6 +21,9 @@ use robot_dynamics::control::optimal::{
     ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
     StateResidual,
 };
+use robot_dynamics::control::task_kinematics::{
+    CollisionAvoidance, KinematicObjective, KinematicTask, TaskKinematics,
+};
 use robot_dynamics::control::whole_body::{
     ContactGeometry, HeldContact, Objective, PdGains, WholeBodyControl,
 };
@@ -926,6 +929,43 @@ fn iterations_of_optimal_control_do_not_allocate() {
         solver.solve().expect("a solution").iterations
     });
     assert_eq!(requests, 0);
+}
+
+/// Differential steps after the first, with other targets, on two levels and with distances of capsules.
+#[test]
+fn task_kinematics_allocates_nothing() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    let loaded = robot_dynamics::load_description(file, &robot_dynamics::LoadOptions::default());
+    let mut robot = loaded.expect("a robot").description;
+    for link in ["panda_link1", "panda_link4", "panda_link7"] {
+        let ball = Shape::Sphere { radius: 0.05 };
+        robot.shapes.push(LinkShape::new(link, ShapeRole::Collision, Pose::IDENTITY, ball));
+    }
+    let model = Model::new(robot).expect("a robot");
+    let (q, v) = ([0.0, -0.4, 0.0, -2.2, 0.0, 1.9, 0.8], [0.0; 7]);
+    let hand = model.frame_named("panda_link8").expect("a frame");
+    let at = robot_dynamics::algorithms::frame_pose(&model, &mut Workspace::new(&model), &q, hand);
+    let mut kinematics = TaskKinematics::new(&model);
+    let reach = kinematics.add_task(KinematicObjective::pose(hand, at)).expect("a task");
+    let center = KinematicTask::new(KinematicObjective::center_of_mass([0.0; 3])).with_weight(0.1);
+    kinematics.add_task(center).expect("a task");
+    let posture = KinematicTask::new(KinematicObjective::Posture { target: q.to_vec() }).with_level(1);
+    kinematics.add_task(posture).expect("a task");
+    let contacts = ContactSet::new(&model, &[]).expect("shapes").with_links(&model);
+    let law = CollisionAvoidance { range: 2.0, ..CollisionAvoidance::new(0.01) };
+    kinematics.avoid_collisions(contacts, law).expect("a law");
+    assert!(kinematics.step(&q, &v, 0.01).expect("a step").distance.is_some());
+    let (mut steps, targets) = (0, [0.05, -0.1, 0.2]);
+    let requests = allocations(|| {
+        for x in targets {
+            let mut target = at;
+            target.translation[0] += x;
+            *kinematics.objective_mut(reach) = KinematicObjective::pose(hand, target);
+            steps += kinematics.step(&q, &v, 0.01).expect("a step").steps;
+        }
+    });
+    assert_eq!(requests, 0);
+    assert!(steps > 0, "limits are active");
 }
 
 /// Calls after the first, with other active limits, references and held contacts.

@@ -108,8 +108,8 @@ impl<'a> Iteration<'a> {
         best
     }
 
-    /// Iterates from a start until the error is within the tolerances, or the limit of steps or of patience is
-    /// reached.
+    /// Iterates from a start until the error is within the tolerances, or the limit of steps or of patience
+    /// is reached.
     fn run(
         &mut self,
         problem: &mut impl LeastSquares,

@@ -123,25 +123,12 @@ impl StateSpace {
             derivative[i * n + i] = 1.0;
         }
         let Kind::Robot(model) = &self.0 else { return };
-        for CoordinateRange { chart, q: i, v: k } in coordinate_ranges(model) {
-            let (turn, size) = match chart {
-                Chart::Line => continue,
-                Chart::Rotation => (i, 3),
-                Chart::Placement => (i + 3, 6),
-            };
-            let start = quaternion_at(x0, turn);
-            let shift = match chart {
-                Chart::Placement => start.rotate_back(core::array::from_fn(|j| x1[i + j] - x0[i + j])),
-                _ => [0.0; 3],
-            };
-            let relative = start.conjugate().times(quaternion_at(x1, turn)).to_xyzw();
-            let block = Pose::from_translation_quaternion_xyzw(shift, relative).log_derivative();
+        each_quaternion_block(model, [x0, x1], |k, size, block| {
             for row in 0..size {
-                // A rotation alone is the angular block.
                 let own = &block[row + 6 - size][6 - size..];
                 derivative[(k + row) * n + k..][..size].copy_from_slice(own);
             }
-        }
+        });
     }
 
     /// The lengths of q and δq: (nq, nv), (0, 0) for plain numbers.
@@ -177,5 +164,29 @@ impl StateSpace {
                 check_configuration(model, &x[..model.nq()]).map_err(|error| error.of(quantity))
             }
         }
+    }
+}
+
+/// Calls `visit` with the blocks of ∂(q₁ ⊖ q₀)/∂q₁ that differ from the identity: the first index in v, the
+/// size, and a derivative of the logarithm, of which the last rows and columns count.
+pub(crate) fn each_quaternion_block(
+    model: &Model,
+    [q0, q1]: [&[f64]; 2],
+    mut visit: impl FnMut(usize, usize, &[[f64; 6]; 6]),
+) {
+    for CoordinateRange { chart, q: i, v: k } in coordinate_ranges(model) {
+        let (turn, size) = match chart {
+            Chart::Line => continue,
+            Chart::Rotation => (i, 3),
+            Chart::Placement => (i + 3, 6),
+        };
+        let start = quaternion_at(q0, turn);
+        let shift = match chart {
+            Chart::Placement => start.rotate_back(core::array::from_fn(|j| q1[i + j] - q0[i + j])),
+            _ => [0.0; 3],
+        };
+        let relative = start.conjugate().times(quaternion_at(q1, turn)).to_xyzw();
+        // A rotation alone is the angular block.
+        visit(k, size, &Pose::from_translation_quaternion_xyzw(shift, relative).log_derivative());
     }
 }

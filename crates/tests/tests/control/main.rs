@@ -8,5 +8,6 @@ mod inverse_kinematics;
 mod operational_space;
 mod optimal;
 mod owning_controllers;
+mod task_kinematics;
 mod time_optimal;
 mod whole_body;
