@@ -708,9 +708,9 @@ def linearize_step(
 ) -> LinearizedStep:
     """Derivatives A and B of one step of each state: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
 
-    They are exact for explicit methods without actuators and springs, and for ``implicit`` through contact,
-    stops and friction that act in the step. Other steps use central differences: closed loops, fluids,
-    impacts, and other methods. The contacts are those that a step from q and v finds.
+    They are exact for explicit methods without actuators and springs. For ``implicit`` they are those of the
+    step's equations, through contact, impacts, stops, friction and closed loops. Other steps use central
+    differences: fluids, rebounds, and other methods. The contacts are those that a step from q and v finds.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ use robot_dynamics::simulation::{
 
 use crate::free_body::body;
 
-const H: f64 = 1e-3;
+pub(crate) const H: f64 = 1e-3;
 
 /// The larger increment of the differences \[rad, m, rad/s, m/s\].
 const MOVE: f64 = 1e-5;

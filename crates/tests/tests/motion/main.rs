@@ -23,6 +23,7 @@ mod height_field;
 mod implicit;
 mod linearize_by_differences;
 mod linearize_constraints;
+mod linearize_impacts;
 mod linearize_step;
 mod linearize_stepper;
 mod links;

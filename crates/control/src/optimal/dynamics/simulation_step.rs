@@ -15,8 +15,8 @@ use crate::optimal::StateSpace;
 /// One step of a simulation: x = (q, v), τ = S u constant over the step, with everything that acts in the
 /// simulation: contact, stops, friction, actuators at the simulation's controls.
 ///
-/// A and B are those of [`linearize_stepper`]. They are analytic for the method `implicit`, apart from steps
-/// that an impact divides. x′ is a function of x and u alone: each step starts without the contact forces of
+/// A and B are those of [`linearize_stepper`]. They are analytic for the method `implicit`, also through
+/// impacts. x′ is a function of x and u alone: each step starts without the contact forces of
 /// an earlier step, so they are of first order in the step. A contact that sticks or is open has no slope in
 /// the directions that it blocks or does not reach. The initial controls should therefore move the robot.
 ///

@@ -62,6 +62,8 @@ pub(crate) struct RecordedContact {
     pub gap: f64,
     /// Whether its normal velocity contains a rebound, which depends on the state at the start.
     pub rebounds: bool,
+    /// Whether the bodies met in this step: they did not touch at its start.
+    pub is_new: bool,
 }
 
 impl ContactImpulses {
@@ -134,7 +136,7 @@ impl ContactImpulses {
         self.recorded.iter().map(|active| {
             let closing = active.point.gap.max(0.0) / super::RETURN_TIME;
             let rebounds = (active.bias - closing).abs() > 0.0;
-            RecordedContact { gap: active.point.gap, rebounds }
+            RecordedContact { gap: active.point.gap, rebounds, is_new: active.known.is_none() }
         })
     }
 

@@ -44,7 +44,7 @@ impl ImplicitIntegrator {
         impacts: ImpactPolicy,
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
-        self.record_start();
+        self.record_start(tau);
         self.paths.measure_start(model, workspace, q);
         self.translations.begin(model, workspace, h, (q, v));
         self.rosenbrock_step(model, workspace, tau, h, (q, v))?;
@@ -72,7 +72,7 @@ impl ImplicitIntegrator {
         let Self { components, translations, joints, memory, interrupt, record, .. } = self;
         let ImplicitMemory { stage_v: v1, stage_q: q1, .. } = memory;
         check_computed("q after the step", q1)?;
-        record.record_after(v1, components);
+        record.record_after(h, v1, components);
         translations.restore(model, workspace, joints, q1, v1);
         // An interrupted solver has no result.
         if interrupt.is_set() {
@@ -83,8 +83,8 @@ impl ImplicitIntegrator {
     }
 
     /// Begins the record of a pass.
-    fn record_start(&mut self) {
-        self.record.begin_pass();
+    fn record_start(&mut self, tau: &[f64]) {
+        self.record.begin_pass(tau);
         if let Some(contacts) = self.contacts.as_mut().filter(|_| self.record.is_on) {
             contacts.record_start();
         }

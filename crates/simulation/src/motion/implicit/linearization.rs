@@ -7,7 +7,8 @@
 //!    M̂ δk = δF − ∂τ_ID/∂q δq − ∂τ_ID/∂v δv at fixed k.
 //! 2. **Impulses** (`rows`). The contacts, stops and friction forces of the step keep their state: a contact
 //!    sticks, slides or is open. With the Delassus matrix G = A M̂⁻¹Aᵀ and the velocities c of the rows:
-//!    sticking rows have δc = 0; sliding ones have p_t = −μ pₙ c_t/|c_t| and δcₙ = 0.
+//!    sticking rows have δc = 0; sliding ones have p_t = −μ pₙ c_t/|c_t| and δcₙ = 0. Where Coulomb's law has
+//!    no solution, δcₙ = μ c_tᵀδc_t/|c_t|, as in the convex problem that the step solves instead.
 //! 3. **Positions.** A row that corrected the position keeps its gap: A δq₁ is 0, or the remaining part of a
 //!    violation at the start.
 //!
@@ -15,6 +16,8 @@
 
 mod columns;
 mod corrections;
+mod divided;
+mod landing;
 mod moving_rows;
 mod parameters;
 mod record;
@@ -63,10 +66,13 @@ impl ImplicitIntegrator {
         self.record.begin();
         let taken = self.step_or_go_back(model, workspace, forces, h, (&mut q1, &mut v1));
         self.record.is_on = false;
-        let dynamics = &mut workspace.dynamics;
-        let method = taken
-            .map_err(StepError::from)
-            .and_then(|()| self.differentiate(model, dynamics, h, state, (&q1, &v1), out));
+        let method = taken.map_err(StepError::from).and_then(|()| match self.record.parts.len() {
+            _ if self.record.is_apart => {
+                Ok(LinearizationMethod::Differences { reason: "an impact of a part of the bodies" })
+            }
+            1 => self.differentiate(model, &mut workspace.dynamics, h, state, (&q1, &v1), out),
+            _ => self.differentiate_parts(model, workspace, forces, (h, &begun), (&q1, &v1), out),
+        });
         if let Some(contacts) = &mut self.contacts {
             contacts.begin_whole();
         }
@@ -94,22 +100,16 @@ impl ImplicitIntegrator {
         None
     }
 
-    /// The property of the recorded step that has no analytic derivative, if there is one.
+    /// The property of the recorded pass that has no analytic derivative, if there is one.
     fn step_without_derivative(&self) -> Option<&'static str> {
-        if self.record.passes != 1 || !self.record.is_whole {
-            return Some("a step that is divided after an impact");
-        }
         if self.factor.has_armature() {
             return Some("an inertia that is singular in this configuration");
         }
         let contacts = self.contacts.as_ref().filter(|_| !self.record.change.is_empty())?;
-        if !contacts.velocity_problem().is_coulomb {
-            return Some("contacts without a solution of Coulomb's law");
-        }
         contacts.recorded().any(|contact| contact.rebounds).then_some("a rebound")
     }
 
-    /// Computes A and B of the recorded step.
+    /// Computes A and B of the recorded pass.
     fn differentiate(
         &mut self,
         model: &Model,
@@ -150,6 +150,8 @@ impl ImplicitIntegrator {
         self.record.change.iter().zip(&mut way).for_each(|(change, way)| *way += 0.5 * h * change);
         let mut q_change = vec![0.0; nv * width];
         retraction_change(model, &way, &theta_change, &mut q_change);
+        let has_impulses = !self.record.change.is_empty();
+        let moved_times = has_impulses.then(|| self.move_impacts(h, q0, &inverse, &mut q_change)).flatten();
         let kept = returns(h);
         let at_middle = (&middle[..], &middle_change[..]);
         self.correction_changes((model, workspace), (kept, columns), q0, &inverse, at_middle, &mut q_change);
@@ -157,6 +159,10 @@ impl ImplicitIntegrator {
         let (here, speeds) = ((q1, &q_change[..]), (&self.record.after[..], v1));
         let (translations, at) = (&self.translations, (model, &placement));
         translations.restore_changes(at, &self.joints, here, speeds, &targets, &mut v_change);
+        if let Some(times) = moved_times {
+            let end = (q1, v1);
+            self.change_acceleration((model, workspace), (h, columns), end, times, &mut v_change);
+        }
 
         out.write_changes(nv, &q_change, &v_change);
         let changes = [&q_change[..], &v_change];

@@ -31,16 +31,7 @@ impl ImplicitIntegrator {
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
-        self.components.begin();
-        if let Some(contacts) = &mut self.contacts {
-            contacts.begin_whole();
-            contacts.memory().clear_impulses();
-        }
-        if let Some(equalities) = &mut self.equalities {
-            equalities.clear_impulses();
-        }
-        self.store_state(q, v);
-        self.initialize_equalities(model, workspace, forces, h, (q, v));
+        self.begin_whole(model, workspace, forces, h, (q, v));
         if self.components.count() > 1 {
             self.start.copy_from(&self.kept);
         }
@@ -68,6 +59,27 @@ impl ImplicitIntegrator {
         self.last = Losses::default();
         self.last_of.iter().for_each(|last| self.last.add(last));
         Ok(())
+    }
+
+    /// Begins a step of h of all components: stores its start, and finds the first forces of equalities.
+    pub(super) fn begin_whole(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) {
+        self.components.begin();
+        if let Some(contacts) = &mut self.contacts {
+            contacts.begin_whole();
+            contacts.memory().clear_impulses();
+        }
+        if let Some(equalities) = &mut self.equalities {
+            equalities.clear_impulses();
+        }
+        self.store_state(q, v);
+        self.initialize_equalities(model, workspace, forces, h, (q, v));
     }
 
     /// Restores the start of the whole step.
@@ -219,7 +231,6 @@ impl ImplicitIntegrator {
                 equalities.begin_with_trial();
             }
         }
-        self.record.forget_trials();
         self.store_state(q, v);
     }
 }

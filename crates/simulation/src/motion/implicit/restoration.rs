@@ -27,7 +27,7 @@ impl ImplicitIntegrator {
 
     /// Stores a state with its forces, and restarts the energy account of the active trees.
     pub(super) fn store_state(&mut self, q: &[f64], v: &[f64]) {
-        let Self { components, last_of, kept, .. } = self;
+        let Self { components, last_of, kept, record, .. } = self;
         for (tree, last) in last_of.iter_mut().enumerate() {
             if components.is_active(tree) {
                 *last = Losses::default();
@@ -37,6 +37,7 @@ impl ImplicitIntegrator {
         kept.v.copy_from_slice(v);
         kept.fastest.fill(0.0);
         kept.is_rough.fill(false);
+        kept.passes = record.parts.len();
         kept.record_speeds(components, v);
         kept.impulses.copy_from(self.impulses.memory());
         if let (Some(kept), Some(equalities)) = (&mut kept.equalities, &mut self.equalities) {
@@ -51,6 +52,7 @@ impl ImplicitIntegrator {
     pub(super) fn take_back(&mut self, q: &mut [f64], v: &mut [f64]) {
         q.copy_from_slice(&self.kept.q);
         v.copy_from_slice(&self.kept.v);
+        self.record.parts.truncate(self.kept.passes);
         self.impulses.memory().copy_from(&self.kept.impulses);
         if let (Some(kept), Some(equalities)) = (&self.kept.equalities, &mut self.equalities) {
             equalities.memory().copy_from(kept);

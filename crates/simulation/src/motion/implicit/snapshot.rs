@@ -16,6 +16,8 @@ clone_in_place! {
         pub(super) fastest: Vec<f64>,
         /// Whether a stop or contact was met or corrected since then, for each tree.
         pub(super) is_rough: Vec<bool>,
+        /// The number of recorded passes of the step before this state.
+        pub(super) passes: usize,
         pub(super) impulses: impulses::ImpulseMemory,
         pub(super) contacts: Option<ContactMemory>,
         pub(super) equalities: Option<equalities::EqualityMemory>,
@@ -29,6 +31,7 @@ impl StepSnapshot {
             v: vec![0.0; model.nv],
             fastest: vec![0.0; trees],
             is_rough: vec![false; trees],
+            passes: 0,
             impulses,
             contacts: None,
             equalities: None,
@@ -40,6 +43,7 @@ impl StepSnapshot {
         self.v.copy_from_slice(&other.v);
         self.fastest.copy_from_slice(&other.fastest);
         self.is_rough.copy_from_slice(&other.is_rough);
+        self.passes = other.passes;
         self.impulses.copy_from(&other.impulses);
         if let (Some(own), Some(other)) = (&mut self.equalities, &other.equalities) {
             own.copy_from(other);

@@ -15,8 +15,9 @@ use crate::{StepError, StepForces, StepWorkspace, Stepper};
 /// [`ImplicitIntegrator`](crate::ImplicitIntegrator) are those of its equations, with the contacts, stops and
 /// friction forces that act in the step. Each keeps its state: a contact sticks, slides or is open. Where
 /// that state is about to change, A and B are one-sided and the result says so. Closed loops and coupled
-/// joints hold at the end of a step, so the derivatives of q₁ and v₁ keep them. Fluids and steps that an
-/// impact divides have no analytic derivative yet: they, and all other methods, use
+/// joints hold at the end of a step, so the derivatives of q₁ and v₁ keep them. The time of an impact moves
+/// with the state, as in a saltation matrix. Fluids, rebounds, and impacts of some bodies while others keep
+/// their whole step have no analytic derivative yet: they, and all other methods, use
 /// [`linearize_by_differences`](crate::linearize_by_differences).
 ///
 /// Redundant contacts that slide in different directions do not determine their forces. The derivatives then

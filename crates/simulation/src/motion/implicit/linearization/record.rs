@@ -9,9 +9,14 @@ clone_in_place! {
     #[derive(Debug, Default)]
     pub(in super::super) struct StepRecord {
         pub(in super::super) is_on: bool,
-        /// The number of passes, and whether all components took the last one.
-        pub(super) passes: usize,
-        pub(super) is_whole: bool,
+        /// The lengths of the passes that make up the step, and whether some components moved separately in
+        /// one of them.
+        pub(in super::super) parts: Vec<f64>,
+        pub(super) is_apart: bool,
+        /// Whether the pass is one of several parts of the step.
+        pub(super) is_part: bool,
+        /// The given forces.
+        pub(super) tau: Vec<f64>,
         /// k₁ and k₂ of the velocities.
         pub(super) first: Vec<f64>,
         pub(super) second: Vec<f64>,
@@ -34,13 +39,15 @@ clone_in_place! {
 impl StepRecord {
     pub(super) fn begin(&mut self) {
         self.is_on = true;
-        self.passes = 0;
+        self.is_apart = false;
+        self.parts.clear();
     }
 
     /// Begins a pass.
-    pub(in super::super) fn begin_pass(&mut self) {
+    pub(in super::super) fn begin_pass(&mut self, tau: &[f64]) {
         if self.is_on {
-            self.passes += 1;
+            self.tau.clear();
+            self.tau.extend_from_slice(tau);
             for vector in
                 [&mut self.applied, &mut self.impulse, &mut self.before, &mut self.change, &mut self.after]
             {
@@ -49,11 +56,6 @@ impl StepRecord {
             self.corrections.clear();
             self.rows.clear();
         }
-    }
-
-    /// Forgets trials before the step.
-    pub(in super::super) fn forget_trials(&mut self) {
-        self.passes = 0;
     }
 
     /// Copies the stages of the smooth part: k₁ + k₂, k₂ and the applied forces.
@@ -88,11 +90,12 @@ impl StepRecord {
         }
     }
 
-    /// Copies v before the last momentum correction.
-    pub(in super::super) fn record_after(&mut self, v: &[f64], components: &Components) {
+    /// Copies v before the last momentum correction at the end of a pass of length h.
+    pub(in super::super) fn record_after(&mut self, h: f64, v: &[f64], components: &Components) {
         if self.is_on {
             self.after.extend_from_slice(v);
-            self.is_whole = components.is_whole();
+            self.parts.push(h);
+            self.is_apart |= !components.is_whole();
         }
     }
 

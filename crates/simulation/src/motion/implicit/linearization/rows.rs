@@ -47,6 +47,9 @@ struct ActingRows {
     entries: Vec<f64>,
     sources: Vec<RowSource>,
     sliding: Vec<Sliding>,
+    /// Whether the step has no solution of Coulomb's law: its sliding contacts have cₙ = μ|c_t| − s with the
+    /// shift s of the solver.
+    is_shifted: bool,
     is_at_transition: bool,
 }
 
@@ -143,6 +146,9 @@ impl ImplicitIntegrator {
         let fastest = after.iter().fold(0.0_f64, |most, v| most.max(v.abs())).max(1.0);
         if let Some(contacts) = &self.contacts {
             let problem = contacts.velocity_problem();
+            // The shift counts as constant.
+            rows.is_shifted = !problem.is_coulomb;
+            rows.is_at_transition = rows.is_shifted;
             let mut recorded = contacts.recorded();
             problem.each_block(|set, range, support, entries| {
                 let Some(contact) = recorded.next() else { return };
@@ -307,6 +313,17 @@ impl ActingRows {
             let Sliding { normal, tangential, friction, pressure, direction, ratio } = sliding;
             // The pivots of these equations are comparable with those of the others.
             let scale = delassus[normal * count + normal];
+            if self.is_shifted {
+                for (row, along) in tangential.clone().zip(direction) {
+                    let factor = friction * along;
+                    for k in 0..count {
+                        system[normal * count + k] -= factor * delassus[row * count + k];
+                    }
+                    for k in 0..width {
+                        right[normal * width + k] += factor * change[row * width + k];
+                    }
+                }
+            }
             for (r, row) in tangential.clone().enumerate() {
                 let mut own = vec![0.0; count];
                 let to = &mut right[row * width..(row + 1) * width];
