@@ -1,10 +1,12 @@
 //! Iterations of optimal control: the reach of the Panda of `bench/peers/crocoddyl_reach.py`, with and
 //! without torque limits, and the trot and the reach with held contacts of
-//! `bench/peers/crocoddyl_contacts.py`. Prints cost, iterations and the median time in milliseconds.
+//! `bench/peers/crocoddyl_contacts.py`. Also the landing of a quadruped with contacts that the simulator
+//! finds, seven iterations. Prints cost, iterations and the median time in milliseconds.
 //!
-//! `cargo run --release -p bench --bin measure_optimal -- [reach|trot|humanoid]…`
+//! `cargo run --release -p bench --bin measure_optimal -- [reach|trot|humanoid|landing]…`
 
 mod contacts;
+mod landing;
 
 use std::error::Error;
 use std::sync::Arc;
@@ -23,6 +25,9 @@ const STEP: f64 = 0.02;
 
 /// The solutions of which the median is printed.
 const REPETITIONS: usize = 20;
+
+/// The default limit of iterations.
+const MOST: usize = 100;
 
 const TORQUE_LIMITS: [f64; 7] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 
@@ -55,7 +60,7 @@ fn measure_reach(nodes: usize, is_bounded: bool, threads: usize) -> Result<(), B
     let (problem, hold) = reach(nodes, is_bounded)?;
     let kind = if is_bounded { "bounded" } else { "free" };
     let start = |solver: &mut Fddp| Ok(solver.set_rollout(&vec![hold.clone(); nodes])?);
-    measure(&format!("{nodes} nodes, {kind}"), problem, threads, REPETITIONS, start)
+    measure(&format!("{nodes} nodes, {kind}"), problem, threads, (REPETITIONS, MOST), start)
 }
 
 /// Solves a problem from the same start again and again, and prints the median.
@@ -63,11 +68,11 @@ fn measure(
     name: &str,
     problem: Problem,
     threads: usize,
-    repetitions: usize,
+    (repetitions, most_iterations): (usize, usize),
     start: impl Fn(&mut Fddp) -> Result<(), Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
     let mut options = FddpOptions::default();
-    options.threads = threads;
+    (options.threads, options.max_iterations) = (threads, most_iterations);
     let mut solver = Fddp::new(problem, options)?;
     let mut times = Vec::new();
     let mut report = None;
@@ -92,7 +97,8 @@ fn measure(
 fn measure_from_rest(name: &str, problem: Problem, threads: usize) -> Result<(), Box<dyn Error>> {
     let states = vec![problem.initial_state().to_vec(); problem.nodes() + 1];
     let controls: Vec<_> = (0..problem.nodes()).map(|node| vec![0.0; problem.controls(node)]).collect();
-    measure(name, problem, threads, REPETITIONS / 2, |solver| Ok(solver.set_trajectory(&states, &controls)?))
+    let limits = (REPETITIONS / 2, MOST);
+    measure(name, problem, threads, limits, |solver| Ok(solver.set_trajectory(&states, &controls)?))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -109,6 +115,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if is_chosen("humanoid") {
             measure_from_rest("humanoid", contacts::humanoid()?, threads)?;
+        }
+        if is_chosen("landing") {
+            let (problem, torques) = landing::landing(40)?;
+            let start = |solver: &mut Fddp| Ok(solver.set_rollout(&torques)?);
+            measure("landing, 40 nodes", problem, threads, (5, 7), start)?;
         }
     }
     Ok(())

@@ -6,6 +6,7 @@ mod contact;
 mod derivatives;
 mod gait;
 mod held_contacts;
+mod landing;
 mod linear_quadratic;
 mod mpc;
 mod robots;
