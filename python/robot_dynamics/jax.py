@@ -1,7 +1,7 @@
 """JAX: the dynamics as functions of arrays, under `jit`, `vmap`, `grad`, `jvp`, `vjp` and `scan`, on the CPU.
 
-XLA calls the library without Python. Arrays are float64 (``jax_enable_x64``) or float32. Their leading
-dimensions broadcast as everywhere in this package.
+XLA calls the library without Python, apart from rollouts with contact. Arrays are float64
+(``jax_enable_x64``) or float32. Their leading dimensions broadcast as everywhere in this package.
 
 Reverse mode computes vector-Jacobian products in O(n), without a Jacobian or M. Forward mode multiplies with
 the derivatives. Gradients of `inverse_dynamics`, `forward_dynamics`, `mass_matrix` and `frame_pose` have
@@ -40,6 +40,7 @@ from robot_dynamics.errors import DTypeError, ShapeError
 if TYPE_CHECKING:
     import jax
 
+    from robot_dynamics.ground import AnyGround
     from robot_dynamics.robot import Robot
 
 
@@ -203,13 +204,15 @@ def rollout(
     dissipation: bool = True,
     stride: int = 0,
     parameters: jax.Array | None = None,
+    ground: AnyGround | None = None,
 ) -> Rollout:
     """`Robot.rollout`, differentiable by q, v, tau and parameters.
 
     Reverse mode computes the states again from √steps checkpoints. The sign of friction is held. The effects
     act as in `Robot.rollout_pullback`: those without gradients are left out or raise an error.
 
-    One call of XLA computes all steps.
+    One call of XLA computes all steps. Those with contact (``"implicit"``, ``"mujoco"``) are called through
+    Python, in float64, and have reverse mode only.
 
     Parameters
     ----------
@@ -227,7 +230,7 @@ def rollout(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `Robot.simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `Robot.rollout_pullback`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -238,6 +241,9 @@ def rollout(
         Number of steps between samples of the trajectory; 0 for no trajectory.
     parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+        Methods with contact take none.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `Robot.simulate`.
 
     Returns
     -------
@@ -255,14 +261,21 @@ def rollout(
     SimulationError
         The integrator or the step is invalid.
     ValueError
-        An effect has no gradients, or `tau` does not have `steps` rows.
+        An effect has no gradients, `tau` does not have `steps` rows, or an explicit method has a ground.
     """
     import jax.numpy as jnp
 
     from robot_dynamics.motion import disabled_effects, effort_limits
+    from robot_dynamics.pullbacks import CONTACT_METHODS
     from robot_dynamics.xla import calls
 
     off = disabled_effects(without, dissipation, stops=True)
+    if integrator in CONTACT_METHODS:
+        how = {"steps": steps, "dt": dt, "integrator": integrator, "stride": stride}
+        how |= {"conservative": conservative, "without": off, "ground": ground}
+        return _contact_rollout(robot, q, v, tau, parameters, how)
+    if ground is not None:
+        raise ValueError(f"integrator={integrator!r} has no contact: a ground needs integrator='implicit'")
     row, dissipates = robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
@@ -306,6 +319,7 @@ def step(
     without: Sequence[str] = (),
     dissipation: bool = True,
     parameters: jax.Array | None = None,
+    ground: AnyGround | None = None,
 ) -> tuple[jax.Array, jax.Array]:
     """One step, differentiable by q, v, tau and parameters; see `rollout`.
 
@@ -322,7 +336,7 @@ def step(
     dt : float
         Step size [s].
     integrator : str
-        Explicit method; see `Robot.simulate`.
+        Explicit method, ``"implicit"`` or ``"mujoco"``; see `Robot.rollout_pullback`.
     conservative : bool
         Whether to leave out damping, friction, limits, actuators and contact.
     without : sequence of str
@@ -331,6 +345,9 @@ def step(
         Whether damping and friction act.
     parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+        Methods with contact take none.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `Robot.simulate`.
 
     Returns
     -------
@@ -359,8 +376,33 @@ def step(
         tau = _array("tau", tau)
         q = jnp.broadcast_to(q, (*jnp.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), *q.shape[-1:]))
     how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
+    how["ground"] = ground
     end = rollout(robot, q, v, tau, steps=1, dt=dt, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
+
+
+def _contact_rollout(
+    robot: Robot, q: Any, v: Any, tau: Any, parameters: Any, how: dict[str, Any]
+) -> Rollout:
+    """Rollout with contact."""
+    import jax.numpy as jnp
+
+    from robot_dynamics.xla.contact_rollouts import contact_rollout
+
+    if parameters is not None:
+        raise ValueError(f"integrator={how['integrator']!r} takes no parameters: use `Robot.with_parameters`")
+    q = _array("q", q)
+    v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
+    lead = _batch_shape([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
+    given, own = [q, v], [1, 1]
+    if tau is not None:
+        tau = _array("tau", tau)
+        last = (how["steps"], robot.nv) if tau.ndim > len(lead) + 1 else (robot.nv,)
+        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
+        given, own = [*given, tau], [*own, len(last)]
+    if q.dtype != "float64":
+        raise DTypeError("rollouts with contact need float64 arrays; set jax_enable_x64")
+    return Rollout(*contact_rollout(robot, _broadcast(given, own, lead), how))
 
 
 def _compute_row(

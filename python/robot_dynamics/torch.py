@@ -29,14 +29,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from robot_dynamics import defaults
-from robot_dynamics.errors import BadStatesError, SimulationError, SingularMassError, StateError
 from robot_dynamics.motion import disabled_effects
 from robot_dynamics.pullbacks import CONTACT_METHODS
+from robot_dynamics.rollout_gradients import Arrays, compute, rollout_gradients
 
 if TYPE_CHECKING:
     import torch
@@ -327,39 +327,12 @@ def _changed_robot(robot: Robot, parameters: Any) -> Robot:
     return _with_parameters(robot, _array(parameters).astype(np.float64).tobytes())
 
 
-Arrays: TypeAlias = tuple[Any, ...]
-
-
 def _compute(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
     """Results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states.
     """
     if own is not None and not np.isfinite(_array(own)).all():
-        return tuple(x if x is None else np.full_like(x, np.nan) for x in _compute(robot, name, None, *given, **options))
-    method = getattr(_changed_robot(robot, own), name)
-    try:
-        return _result_arrays(method(*given, **options))
-    except BadStatesError as error:
-        return _result_arrays(error.result)
-    except (SimulationError, SingularMassError, StateError):
-        # One state, computed as a batch of one, which has a row for NaN.
-        batch = [_add_batch_axis(x) for x in given]
-        named = {key: _add_batch_axis(x) for key, x in options.items()}
-        try:
-            found = method(*batch, **named)
-        except BadStatesError as error:
-            found = error.result
-        return tuple(x if x is None else x[0] for x in _result_arrays(found))
-
-
-def _add_batch_axis(x: Any) -> Any:
-    return x[np.newaxis] if isinstance(x, np.ndarray) else x
-
-
-def _result_arrays(found: Any) -> Arrays:
-    """Arrays of a result."""
-    if isinstance(found, np.ndarray):
-        return (found,)
-    return tuple(found) if isinstance(found, tuple) else (found.q, found.v, found.q_trajectory, found.v_trajectory)
+        return tuple(x if x is None else np.full_like(x, np.nan) for x in compute(robot, name, *given, **options))
+    return compute(_changed_robot(robot, own), name, *given, **options)
 
 
 @cache
@@ -376,20 +349,16 @@ def _rollout_functions() -> tuple[Any, Any]:
         def forward(
             robot: Any, how: Any, by_parameters: bool, q: Any, v: Any, tau: Any, parameters: Any, *rest: Any
         ) -> Any:
-            start, speed, q_end, q_way, *cotangents = (_array(each) for each in (q, v, *rest))
-            by_end, by_end_velocity, by_way, by_way_velocity = cotangents
-            (by_position,) = _compute(robot, "cotangent_from_coordinates", None, q_end, by_end)
-            given = {"by_position": by_position, "by_velocity": by_end_velocity}
-            if how["stride"]:
-                (by_way,) = _compute(robot, "cotangent_from_coordinates", None, q_way, by_way)
-                given |= {"by_position_trajectory": by_way, "by_velocity_trajectory": by_way_velocity}
-            forces = None if tau is None else _array(tau)
-            options = {"parameters": by_parameters, **given, **how}
-            found = _compute(robot, "rollout_pullback", parameters, start, speed, forces, **options)
-            # Without the counts of steps.
-            by_start, *rest_of = found[:4]
-            (by_q,) = _compute(robot, "cotangent_to_coordinates", None, start, by_start)
-            results = (by_q, *rest_of)
+            start, speed, *ends_and_cotangents = (_array(each) for each in (q, v, *rest))
+            ends, cotangents = tuple(ends_and_cotangents[:2]), tuple(ends_and_cotangents[2:])
+            state = (start, speed, None if tau is None else _array(tau))
+            own, is_finite = robot, True
+            if parameters is not None:
+                is_finite = bool(np.isfinite(_array(parameters)).all())
+                own = _changed_robot(robot, parameters) if is_finite else robot
+            results = rollout_gradients(own, how, state, ends, cotangents, by_parameters=by_parameters)
+            if not is_finite:
+                results = tuple(x if x is None else np.full_like(x, np.nan) for x in results)
             nothing = q.new_zeros((*q.shape[:-1], 0))
             return tuple(nothing.clone() if each is None else torch.as_tensor(each) for each in results)
 

@@ -426,3 +426,54 @@ def test_long_calls_of_several_threads_are_right(panda: rd.Robot) -> None:
 
     with ThreadPoolExecutor(4) as pool:
         assert all(pool.map(run, range(20)))
+
+
+@pytest.mark.parametrize("torques", ["held", "each"])
+def test_rollouts_with_contact_have_the_gradients_of_numpy(quadruped: rd.Robot, torques: str) -> None:
+    how: dict[str, Any] = {"steps": 6, "dt": 2e-3, "integrator": "implicit", "stride": 2, "ground": rd.Ground()}
+    rng = np.random.default_rng(2)
+    q = np.tile(quadruped.neutral(), (2, 1))
+    q[:, 2] += [0.3, 0.02]
+    v = 0.3 * rng.standard_normal((2, quadruped.nv))
+    tau = rng.standard_normal((2, quadruped.nv) if torques == "held" else (2, 6, quadruped.nv))
+    arrays = (q, v, tau)
+    ends = jax.jit(lambda *state: rdj.rollout(quadruped, *state, **how))(*map(jnp.asarray, arrays))
+    expected = quadruped.rollout(*arrays, **how)
+    for own, numpy in zip(ends, (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory), strict=True):
+        assert np.array_equal(own, numpy)
+    weights = [rng.standard_normal(x.shape) for x in ends]
+
+    def loss(*state: Any) -> Any:
+        found = rdj.rollout(quadruped, *state, **how)
+        return sum((x * weight).sum() for x, weight in zip(found, weights, strict=True))
+
+    gradients = jax.jit(jax.grad(loss, argnums=(0, 1, 2)))(*map(jnp.asarray, arrays))
+    by_position = quadruped.cotangent_from_coordinates(expected.q, weights[0])
+    by_way = quadruped.cotangent_from_coordinates(expected.q_trajectory, weights[2])
+    pulled: Any = quadruped.rollout_pullback(
+        *arrays,
+        by_position=by_position,
+        by_velocity=weights[1],
+        by_position_trajectory=by_way,
+        by_velocity_trajectory=weights[3],
+        **how,
+    )
+    assert np.array_equal(gradients[0], quadruped.cotangent_to_coordinates(q, pulled.by_position))
+    assert np.array_equal(gradients[1], pulled.by_velocity) and np.array_equal(gradients[2], pulled.by_force)
+    each = jax.vmap(jax.grad(lambda q, v, tau: rdj.rollout(quadruped, q, v, tau, **how).v.sum(), argnums=2))(*arrays)
+    pulled = quadruped.rollout_pullback(*arrays, by_velocity=np.ones((2, quadruped.nv)), **how)
+    assert np.array_equal(each, pulled.by_force)
+
+
+def test_steps_with_contact_are_nan_for_invalid_states(quadruped: rd.Robot) -> None:
+    how: dict[str, Any] = {"dt": 2e-3, "integrator": "implicit", "ground": rd.Ground()}
+    q = np.tile(quadruped.neutral(), (2, 1))
+    q[1, 3] = np.nan
+    ends = rdj.step(quadruped, jnp.asarray(q), jnp.zeros((2, quadruped.nv)), **how)
+    assert np.isfinite(ends[0][0]).all() and np.isnan(ends[0][1]).all()
+    with pytest.raises(rd.DTypeError, match="float64"):
+        rdj.step(quadruped, jnp.asarray(q, jnp.float32), jnp.zeros(quadruped.nv, jnp.float32), **how)
+    with pytest.raises(ValueError, match="has no contact"):
+        rdj.step(quadruped, jnp.asarray(q), jnp.zeros(quadruped.nv), dt=1e-3, ground=rd.Ground())
+    with pytest.raises(ValueError, match="takes no parameters"):
+        rdj.step(quadruped, jnp.asarray(q), jnp.zeros(quadruped.nv), parameters=jnp.zeros(3), **how)
