@@ -163,6 +163,11 @@ ARGUMENTS = {
     "problem": "OptimalProblem",
     "iterations": "int",
     "time_budget": "float | None",
+    "contact": "object",
+    "objective": "object",
+    "weight": "float",
+    "level": "int",
+    "is_held": "bool",
 }
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
@@ -172,6 +177,7 @@ OF_CALL = {
     ("_add_terminal_constraint", "lower"): "object",
     ("_add_terminal_constraint", "upper"): "object",
     ("_next_controls", "state"): "object",
+    ("_set_limits", "limits"): "_Record",
     ("_set_control_bounds", "lower"): "object",
     ("_set_control_bounds", "upper"): "object",
     ("OptimalMpc", "rows"): "_Rows",
@@ -247,6 +253,13 @@ RETURNS = {
     "_state": "str",
     "_description": "str",
     "_add": "list[str]",
+    "_add_contact": "int",
+    "_add_task": "int",
+    "_hold_contact": "None",
+    "_limits": "_Record",
+    "_set_limits": "None",
+    "_set_objective": "None",
+    "_set_weight": "None",
     "_add_mesh": "None",
     "_add_object": "None",
     "_report_text": "str",
@@ -374,6 +387,7 @@ RETURNS = {
 
 # Properties of classes that this script does not create. Those of a robot are inspected.
 PROPERTIES = {
+    "robot": "Robot",
     "nodes": "int",
     "controls": "list[int]",
     "row_names": "list[str]",
@@ -408,7 +422,7 @@ OF_SIMULATION = {
 }
 
 # Base classes of classes of the Python package.
-BASES = ("Robot", "Scene", "Simulation", "SimulationBatch")
+BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody")
 
 # Writable attributes with their types.
 SETTERS = {

@@ -29,7 +29,7 @@ from robot_dynamics._native import (
     num_threads,
     set_num_threads,
 )
-from robot_dynamics import optimal
+from robot_dynamics import optimal, whole_body
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
@@ -172,4 +172,5 @@ __all__ = [
     "optimal",
     "random_robot",
     "set_num_threads",
+    "whole_body",
 ]

@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -3504,3 +3504,28 @@ class TaskControl:
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
     def __new__(cls, robot: Robot, frame: str | int, reference: ControlReference | Callable[[float], ControlReference], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...
+
+@disjoint_base
+class WholeBody:
+    """The native half of `robot_dynamics.whole_body.WholeBodyControl`."""
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, *, dissipation: bool = False) -> Self: ...
+    def _add_contact(self, contact: object) -> int:
+        """See `add_contact`."""
+    def _add_task(self, objective: object, weight: float, level: int) -> int:
+        """See `add_task`."""
+    def _hold_contact(self, number: int, is_held: bool) -> None:
+        """See `hold_contact`."""
+    def _limits(self) -> _Record:
+        """See `limits`."""
+    def _set_limits(self, limits: _Record) -> None:
+        """See `set_limits`; `None` keeps a limit."""
+    def _set_objective(self, number: int, objective: object) -> None:
+        """See `set_objective`."""
+    def _set_weight(self, number: int, weight: float) -> None:
+        """See `set_weight`."""
+    def _solve(self, q: Numbers, v: Numbers) -> _Record:
+        """See `solve`."""
+    @property
+    def robot(self) -> Robot:
+        """The robot."""

@@ -5,6 +5,7 @@ mod computed_torque;
 mod law;
 mod pd;
 mod task;
+mod whole_body;
 
 use pyo3::prelude::*;
 
@@ -15,6 +16,7 @@ pub(crate) use self::computed_torque::ComputedTorque;
 pub(crate) use self::law::Law;
 pub(crate) use self::pd::GravityCompensatedPd;
 pub(crate) use self::task::TaskControl;
+pub(crate) use self::whole_body::WholeBody;
 
 /// The law for this robot, if the object is one.
 pub(crate) fn law_of<'a>(
@@ -29,6 +31,9 @@ pub(crate) fn law_of<'a>(
         return controls.get().law(py, robot).map(Some);
     }
     if let Ok(controls) = object.cast::<TaskControl>() {
+        return controls.get().law(py, robot).map(Some);
+    }
+    if let Ok(controls) = object.cast::<WholeBody>() {
         return controls.get().law(py, robot).map(Some);
     }
     Ok(None)

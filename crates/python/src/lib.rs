@@ -15,6 +15,7 @@
 
 // Exceptions, which the Python half defines.
 mod errors;
+mod exclusive;
 
 // numpy's memory as slices.
 mod ffi;
@@ -92,7 +93,7 @@ mod native {
     #[pymodule_export]
     use super::control::dlqr;
     #[pymodule_export]
-    use super::controllers::{ComputedTorque, GravityCompensatedPd, TaskControl};
+    use super::controllers::{ComputedTorque, GravityCompensatedPd, TaskControl, WholeBody};
     #[pymodule_export]
     use super::defaults::_defaults;
     #[pymodule_export]

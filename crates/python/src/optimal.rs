@@ -1,7 +1,6 @@
 //! Optimal control: problems from the objects of `robot_dynamics.optimal`, their solutions, and MPC.
 
 mod dynamics;
-mod exclusive;
 mod function;
 pub(crate) mod mpc;
 pub(crate) mod problem;

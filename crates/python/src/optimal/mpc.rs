@@ -4,13 +4,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::control::optimal::{Mpc, MpcOptions};
 
-use super::exclusive::Exclusive;
 use super::problem::{OptimalProblem, SolverOptions, common_controls, duration};
 use super::raised;
 use super::residuals::cost_of;
 use super::solution::{Start, solution_of};
 use super::space::Space;
 use crate::errors::Class;
+use crate::exclusive::Exclusive;
 use crate::numbers::{array, object};
 
 /// The native half of `robot_dynamics.optimal.Mpc`.

@@ -9,12 +9,12 @@ use robot_dynamics::control::optimal::{
 };
 
 use super::dynamics::dynamics_of;
-use super::exclusive::Exclusive;
 use super::raised;
 use super::residuals::{cost_of, entries_of, residual_of};
 use super::solution::{IterationCallback, Start, bare_solution, solution_of};
 use super::space::Space;
 use crate::errors::Class;
+use crate::exclusive::Exclusive;
 use crate::numbers::object;
 
 /// The native half of `robot_dynamics.optimal.Problem`.

@@ -7,8 +7,8 @@ use pyo3::types::PyTuple;
 use robot_dynamics::control::optimal::{HeldContactStep, StateSpace};
 use robot_dynamics::model::Model;
 
-use super::exclusive::Exclusive;
 use crate::errors::Class;
+use crate::exclusive::Exclusive;
 use crate::numbers::{numbers, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
