@@ -24,7 +24,7 @@
 //! target.translation[1] += 0.2;
 //! kinematics.add_task(KinematicTask::new(KinematicObjective::pose(hand, target)).with_gain(0.2))?;
 //! let posture = KinematicObjective::Posture { target: q.clone() };
-//! kinematics.add_task(KinematicTask::new(posture).with_weight(1e-3))?;
+//! kinematics.add_task(KinematicTask::new(posture).with_weight(1e-4))?;
 //! let mut v = vec![0.0; 7];
 //! for _ in 0..200 {
 //!     let step = kinematics.step(&q, &v, 0.01)?;
