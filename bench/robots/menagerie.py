@@ -405,6 +405,11 @@ concave polygons. MuJoCo divides some of those polygons into triangles that over
 `fitaabb`, which is read now. The largest error of the bias, 7e-3, is in baxter_w_table.xml: the armature of
 its free joint lacks a term, as a warning says.
 
+On 29 November 2026, 1496 distinct MJCF files of 21 repositories and packages were read again. MuJoCo 4.0.0
+loads 1090 of them, and the command loads all of these. It prints no warning for 907 files, and three lines at
+most. The most frequent warnings name sites with the name of a body (107 files), deformable bodies (28), shapes
+and actuators of plugins (13), and the armature of tendons along paths (12).
+
 The command `dynamics` and MuJoCo VERSION read each file, and STATES random states are compared. The table
 gives the largest error of M, of the bias, and of the masses of the bodies, each relative to the largest
 entry. The bias includes Coriolis forces, gravity and joint springs, but no tendons, which are separate from
