@@ -33,7 +33,8 @@ pub(super) const RULES: &[Rule] = &[
             "scaling",
         ],
     ),
-    read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
+    // MuJoCo accepts any attribute here; `prefix` changes nothing.
+    read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]).ignored(&["prefix"]),
     read(
         BODIES,
         "inertial",

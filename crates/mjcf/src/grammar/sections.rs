@@ -331,5 +331,6 @@ pub(super) const RULES: &[Rule] = &[
     unsupported_actuator("orientation"),
     unsupported_actuator("plugin"),
     read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"])
-        .ignored(&["time", "act", "mpos", "mquat", "plastic"]),
+        .ignored(&["time", "mpos", "mquat"])
+        .physics(&[("act", "0"), ("plastic", "0")]),
 ];

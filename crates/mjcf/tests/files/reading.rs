@@ -366,3 +366,26 @@ fn short_keyframes_are_completed() {
     let refused = robot_dynamics_mjcf::parse(&long, &LoadOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("ctrl"), "{refused}");
 }
+
+#[test]
+fn states_of_keyframes_are_named_if_they_act() {
+    for (attributes, count) in [("act='0' plastic='0'", 0), ("act='0.5'", 1), ("act='0.5' plastic='0.1'", 2)]
+    {
+        let text = format!(
+            "<mujoco><worldbody><body><joint name='j' stiffness='1' springyield='1'/><geom size='0.1'/></body></worldbody>
+             <actuator><general joint='j' dyntype='filter' dynprm='1'/></actuator>
+             <keyframe><key {attributes}/></keyframe></mujoco>"
+        );
+        let report = parse(&text, &LoadOptions::default()).expect("a robot").report;
+        assert_eq!(report.counts.ignored_physics, count, "{attributes}: {report}");
+    }
+}
+
+#[test]
+fn replicates_have_a_prefix_without_effect() {
+    let text = "<mujoco><worldbody><replicate count='2' offset='1 0 0' prefix='a'><body name='b'><joint/>
+        <geom size='0.1'/></body></replicate></worldbody></mujoco>";
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
+    assert_eq!(robot.report.warnings().count(), 0, "{}", robot.report);
+    assert!(robot.description.links.iter().any(|link| link.name == "b1"));
+}
