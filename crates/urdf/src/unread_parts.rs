@@ -28,7 +28,7 @@ const HARMLESS_ELEMENTS: [(&str, &str); 13] = [
 ];
 
 /// Names of physical quantities, in lower case and without separators, with the value that has no effect.
-const PHYSICAL_QUANTITIES: [(&str, f64); 24] = [
+const PHYSICAL_QUANTITIES: [(&str, f64); 23] = [
     ("mechanicalreduction", 1.0),
     ("gearratio", 1.0),
     ("rotorinertia", 0.0),
@@ -41,7 +41,6 @@ const PHYSICAL_QUANTITIES: [(&str, f64); 24] = [
     ("stiffness", 0.0),
     ("springstiffness", 0.0),
     ("springreference", 0.0),
-    ("implicitspringdamper", 0.0),
     ("springref", 0.0),
     ("gravity", 1.0),
     ("turngravityoff", 0.0),
@@ -118,7 +117,8 @@ impl<'a> Reader<'a> {
                 self.report_ignored(element.line, element.place.clone(), format!("setting `{name}`"));
             } else if !attributes.contains(&name) {
                 let message = format!("unknown attribute {}={:?}", excerpt(name), excerpt(attribute.value()));
-                if unknown == UnknownPart::Physics || carries_physics(name, attribute.value()) {
+                let is_physics = unknown == UnknownPart::Physics || carries_physics(name, attribute.value());
+                if is_physics && !does_nothing(element.node, name, attribute.value()) {
                     self.report_ignored_physics(element.line, element.place.clone(), message);
                 } else {
                     self.report_ignored(element.line, element.place.clone(), message);
@@ -206,6 +206,19 @@ fn carries_physics(name: &str, value: &str) -> bool {
         text => text.parse::<f64>().ok(),
     };
     value != Some(neutral)
+}
+
+/// Whether an unknown attribute adds nothing: it repeats an entry of a symmetric inertia, or does not rotate.
+fn does_nothing(node: Node<'_, '_>, name: &str, value: &str) -> bool {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let repeated = [("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz")].into_iter().find(|(own, _)| *own == name);
+    match repeated {
+        Some((_, entry)) => {
+            let entry = node.attribute(entry).map_or(Some(0.0), number);
+            entry.is_some() && entry == number(value)
+        }
+        None => name == "rpy" && value.split_whitespace().all(|word| number(word) == Some(0.0)),
+    }
 }
 
 /// The value without effect of the physical quantity of this name; `None` for another name.

@@ -130,6 +130,7 @@ pub(crate) const UNREAD: &[(&str, Disposition)] = &[
     (r#"<transmission name="t"><actuator name="m"><drake:gear_ratio value="50" xmlns:drake="d"/></actuator></transmission>"#, PHYSICS),
     (r#"<gazebo reference="b"><material>Gazebo/Red</material><mu1>0.5</mu1><kp>1e6</kp></gazebo>"#, HARMLESS),
     (r#"<gazebo reference="j"><springStiffness>3</springStiffness></gazebo>"#, PHYSICS),
+    (r#"<gazebo reference="j"><implicitSpringDamper>1</implicitSpringDamper></gazebo>"#, HARMLESS),
     (r#"<gazebo reference="b"><turnGravityOff>true</turnGravityOff></gazebo>"#, PHYSICS),
     (r#"<gazebo reference="b"><turnGravityOff>false</turnGravityOff></gazebo>"#, HARMLESS),
     (r#"<gazebo><joint name="loop" type="revolute"><parent>a</parent><child>b</child></joint></gazebo>"#, PHYSICS),
@@ -166,6 +167,8 @@ pub(crate) const UNKNOWN_PARTS: &[(&str, bool)] = &[
     (r#"<dynamics damping="0" friction="0" rotor="3"/>"#, true),
     ("<flexibility/>", true),
     (r#"<axis xyz="0 0 1" expressed_in="world"/>"#, true),
+    (r#"<axis xyz="0 0 1" rpy="0 0 0"/>"#, false),
+    (r#"<axis xyz="0 0 1" rpy="0 0 1"/>"#, true),
     (r#"<limit effort="1" velocity="1" acceleration="4"/>"#, false),
     (r#"<safety_controller k_velocity="1"/>"#, false),
     (r#"<calibration rising="0"/>"#, false),
@@ -178,6 +181,14 @@ fn unknown_parts_of_joints_and_inertias_count_as_physics() {
         let robot = read(&file);
         assert_eq!(places(&robot, Disposition::Ignored { physics }).len(), 1, "{content}:\n{}", robot.report);
         assert_eq!(parse(&file, &LoadOptions::default().with_strict()).is_err(), physics, "{content}");
+    }
+    for (iyx, physics) in [("0.1", false), ("0.2", true)] {
+        let file = format!(
+            r#"<robot name="r"><link name="a"><inertial><mass value="1"/>
+            <inertia ixx="1" ixy="0.1" iyx="{iyx}" izy="0" iyy="1" izz="1"/></inertial></link></robot>"#
+        );
+        let robot = read(&file);
+        assert_eq!(robot.report.counts.ignored_physics > 0, physics, "{}", robot.report);
     }
     let file = r#"<robot name="r"><link name="a"><inertial unit="lb"><mass value="1"/>
         <inertia ixx="1" iyy="1" izz="1"/></inertial></link></robot>"#;
