@@ -189,8 +189,8 @@ pub mod simulation {
     };
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
-        Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller, ControllerError,
-        DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace, GravityAt,
+        Actuation, ActuationDerivatives, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
+        ControllerError, DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace, GravityAt,
         GravityCompensatedPd, ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run,
         RunError, RunFailure, Sample, SensorInputs, SensorMemory, SensorSet, StateTransition, StepError,
         StepForces, StepInfo, StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque,

@@ -8,6 +8,8 @@
 mod carried_weight;
 mod controller_memory;
 mod coupling;
+mod derivatives;
+mod difference;
 mod dof_gear;
 mod gains;
 mod law;
@@ -21,6 +23,7 @@ mod tendon_law;
 mod transmission;
 mod workspace;
 
+pub use derivatives::ActuationDerivatives;
 pub use workspace::ActuationWorkspace;
 
 use crate::FluidForces;

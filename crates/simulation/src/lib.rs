@@ -33,7 +33,7 @@ pub mod constraints;
 // The simulator.
 pub mod simulator;
 
-pub use actuation::{Actuation, ActuationWorkspace};
+pub use actuation::{Actuation, ActuationDerivatives, ActuationWorkspace};
 pub use constraints::{
     Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionDerivatives, ConstrainedMotionPullback,
     ConstrainedPullbackInputs, ConstrainedStepReport, ConstrainedTorque, ConstrainedTorqueDerivatives,

@@ -28,13 +28,13 @@ fn robot(file: &str) -> RobotDescription {
 }
 
 /// MuJoCo's controls in this robot's order: a motor without an input has no control in MuJoCo.
-fn controls(robot: &RobotDescription, ctrl: &[f64]) -> Vec<f64> {
+pub(crate) fn controls(robot: &RobotDescription, ctrl: &[f64]) -> Vec<f64> {
     let mut ctrl = ctrl.iter().copied();
     let mut next = |own: &ActuatorDescription| if is_passive(own) { Some(0.0) } else { ctrl.next() };
     robot.actuators.iter().map(|own| next(own).expect("a control")).collect()
 }
 
-fn is_passive(actuator: &ActuatorDescription) -> bool {
+pub(crate) fn is_passive(actuator: &ActuatorDescription) -> bool {
     actuator.control_range == [0.0; 2]
 }
 
@@ -56,7 +56,7 @@ fn activations(robot: &RobotDescription, controls: &[f64], act: &[f64], step: f6
     first
 }
 
-fn state_count(actuator: &ActuatorDescription) -> usize {
+pub(crate) fn state_count(actuator: &ActuatorDescription) -> usize {
     let motor = actuator.motor.map_or([false; 3], |motor| {
         [motor.winding.is_some(), motor.friction.is_some(), motor.current.is_some()]
     });

@@ -6,6 +6,7 @@ mod adhesion;
 mod attach;
 mod contacts;
 mod controllers;
+mod derivatives;
 mod faults;
 mod fluid;
 mod golden;

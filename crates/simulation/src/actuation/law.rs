@@ -32,6 +32,20 @@ impl Actuation {
         self.add_passive(model, workspace, (q, v), tau);
     }
 
+    /// [`forces`](Self::forces) without those of the fluid.
+    pub(super) fn forces_without_fluid(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        (q, v): (&[f64], &[f64]),
+        tau: &mut [f64],
+    ) {
+        self.actuator_torques(model, workspace, u, q, v, tau);
+        self.add_tendons(workspace, q, v, tau);
+        self.add_weight(workspace, tau);
+    }
+
     /// Adds the forces of tendons, springs and the fluid, and the carried weight that
     /// [`actuator_torques`](Self::actuator_torques) computed at this state and leaves out.
     pub(crate) fn add_passive(
@@ -238,7 +252,7 @@ impl Actuation {
     }
 
     #[track_caller]
-    fn check(&self, model: &Model, q: &[f64], v: &[f64], tau: &[f64]) {
+    pub(super) fn check(&self, model: &Model, q: &[f64], v: &[f64], tau: &[f64]) {
         model.check_identity(&self.robot, "the actuation");
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);

@@ -3,6 +3,7 @@
 use robot_dynamics_core::{Model, Workspace};
 
 use super::controller_memory::ControllerMemory;
+use super::difference::DifferenceMemory;
 use super::spatial_tendon::SpatialTendons;
 use super::transmission::TransmissionMemory;
 use crate::FluidWorkspace;
@@ -21,6 +22,8 @@ pub struct ActuationWorkspace {
     pub(super) controllers: ControllerMemory,
     /// Allocated if there is a fluid.
     pub(super) fluid: Option<FluidWorkspace>,
+    /// Allocated by the first call that asks for derivatives.
+    pub(super) differences: Option<DifferenceMemory>,
 }
 
 impl ActuationWorkspace {
@@ -41,6 +44,7 @@ impl ActuationWorkspace {
             on_tendons: vec![0.0; tendons],
             controllers,
             fluid: None,
+            differences: None,
         }
     }
 

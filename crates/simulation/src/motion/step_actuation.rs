@@ -99,6 +99,28 @@ impl StepActuation {
         actuation.add_passive(model, workspace, (q, v), forces);
     }
 
+    /// Adds ∂f/∂q and ∂f/∂v of the forces at (q, v) without those of a fluid.
+    pub(crate) fn add_derivatives(
+        &mut self,
+        model: &Model,
+        state: (&[f64], &[f64]),
+        out: (&mut [f64], &mut [f64]),
+    ) {
+        let Self { actuation, workspace, controls, .. } = self;
+        actuation.add_derivatives_without_fluid(model, workspace, controls, state, out);
+    }
+
+    /// Writes ∂f/∂u, and returns whether a control is at a bound.
+    pub(crate) fn derivatives_by_control(
+        &mut self,
+        model: &Model,
+        state: (&[f64], &[f64]),
+        by_control: &mut [f64],
+    ) -> bool {
+        let Self { actuation, workspace, controls, .. } = self;
+        actuation.derivatives_by_control(model, workspace, controls, state, by_control)
+    }
+
     /// Calls `add` with the entries on and below the diagonal of the damping by a fluid at (q, v).
     pub(crate) fn for_each_damping(
         &mut self,

@@ -13,12 +13,7 @@ use super::parameters::regressor;
 use crate::motion::linearize_step::displacement::{add_identity, rate_change, retraction_change};
 use crate::motion::linearize_step::product::multiply_changes;
 use crate::motion::simulate::StepError;
-use crate::motion::step_actuation::StepActuation;
 use crate::placement::Placement;
-
-/// The increment of a coordinate or velocity in the differences of actuators' forces \[rad, m, rad/s, m/s\].
-/// The laws of servos and of tendons over joints are linear or low polynomials.
-const MOVE: f64 = 1e-5;
 
 /// The smooth part of a step and its changes.
 pub(super) struct SmoothChange {
@@ -163,7 +158,7 @@ impl ImplicitIntegrator {
         let nv = model.nv;
         let (mut by_position, mut by_velocity) = (carried.to_vec(), vec![0.0; nv * nv]);
         if let Some(drive) = self.drive.as_mut().filter(|drive| !drive.actuation().is_empty()) {
-            add_actuation(model, drive, (middle, v), (&mut by_position, &mut by_velocity));
+            drive.add_derivatives(model, (middle, v), (&mut by_position, &mut by_velocity));
         }
         let own = [by_position, by_velocity];
         let zeros = || vec![0.0; nv * nv];
@@ -188,37 +183,6 @@ impl ImplicitIntegrator {
             self.joints.subtract_stiffness(-1.0, &unit, row);
         }
         stiffness
-    }
-}
-
-/// Adds the derivatives of the forces of actuators and tendons, by central differences.
-fn add_actuation(
-    model: &Model,
-    drive: &mut StepActuation,
-    (q, v): (&[f64], &[f64]),
-    (by_position, by_velocity): (&mut [f64], &mut [f64]),
-) {
-    let nv = model.nv;
-    let (mut way, mut moved, mut speed) = (vec![0.0; nv], q.to_vec(), v.to_vec());
-    let [mut after, mut before] = [vec![0.0; nv], vec![0.0; nv]];
-    for k in 0..nv {
-        for (forces, sign) in [(&mut after, MOVE), (&mut before, -MOVE)] {
-            way[k] = sign;
-            integrate(model, q, &way, &mut moved);
-            drive.forces(model, &moved, v, forces);
-        }
-        way[k] = 0.0;
-        for i in 0..nv {
-            by_position[i * nv + k] += (after[i] - before[i]) / (2.0 * MOVE);
-        }
-        for (forces, sign) in [(&mut after, MOVE), (&mut before, -MOVE)] {
-            speed[k] = v[k] + sign;
-            drive.forces(model, q, &speed, forces);
-        }
-        speed[k] = v[k];
-        for i in 0..nv {
-            by_velocity[i * nv + k] += (after[i] - before[i]) / (2.0 * MOVE);
-        }
     }
 }
 
