@@ -25,8 +25,8 @@ const STEPS: usize = 2000;
 /// The step of control \[s\].
 const DT: f64 = 0.005;
 
-/// The offsets along z and the limits of an arm with the dimensions of the KUKA LBR iiwa 14 R820, from its data
-/// sheet: 360, 420, 400 and 126 mm between base, shoulder, elbow, wrist and flange.
+/// The offsets along z \[m\] and the limits \[°\] of an arm like the KUKA LBR iiwa 14 R820. Its data sheet
+/// gives 360, 420, 400 and 126 mm between base, shoulder, elbow, wrist and flange.
 const IIWA: [(f64, f64); 7] =
     [(0.0, 170.0), (0.36, 120.0), (0.0, 170.0), (0.42, 120.0), (0.0, 170.0), (0.4, 120.0), (0.126, 175.0)];
 
