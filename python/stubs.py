@@ -168,6 +168,16 @@ ARGUMENTS = {
     "weight": "float",
     "level": "int",
     "is_held": "bool",
+    "objectives": "Sequence[tuple[object, ...]]",
+    "law": "tuple[float, int, float, float]",
+    "search": "tuple[float, float, int, int, int]",
+    "task": "int",
+    "position_gain": "float",
+    "least_distance": "float",
+    "range": "float",
+    "gain": "float",
+    "dt": "float",
+    "starts": "Sequence[Numbers]",
 }
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
@@ -184,6 +194,10 @@ OF_CALL = {
     ("_sample", "rows"): "_Rows",
     ("_solve", "rows"): "_Rows",
     ("_add", "joint"): "_JointWords | None",
+    ("_find", "start"): "Numbers",
+    ("_next_step", "v"): "Numbers | None",
+    ("_set_damping", "damping"): "float",
+    ("_set_limits", "acceleration"): "Numbers | None",
     ("_add", "pose"): "Numbers",
     ("_add_mesh", "density"): "float | None",
     ("_add_mesh", "friction"): "float | None",
@@ -261,6 +275,11 @@ RETURNS = {
     "_set_objective": "None",
     "_set_weight": "None",
     "_add_mesh": "None",
+    "_set_damping": "None",
+    "_avoid_collisions": "None",
+    "_next_step": "_Record",
+    "_find": "_Record",
+    "_find_many": "list[tuple[bool, _Record]]",
     "_add_object": "None",
     "_report_text": "str",
     "_warning_groups": "list[str]",
@@ -422,7 +441,7 @@ OF_SIMULATION = {
 }
 
 # Base classes of classes of the Python package.
-BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody")
+BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody", "KinematicTasks")
 
 # Writable attributes with their types.
 SETTERS = {

@@ -81,6 +81,7 @@ from robot_dynamics.robot import EndEffector, Group, Joint, Link, Robot
 from robot_dynamics.scene import Scene
 from robot_dynamics.sensors import PointForce, Sensor
 from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
+from robot_dynamics.task_kinematics import KinematicStep, TaskKinematics, TaskSolution, TaskSolutions
 
 __all__ = [
     "__version__",
@@ -127,6 +128,7 @@ __all__ = [
     "InverseKinematicsSolution",
     "Joint",
     "JointMap",
+    "KinematicStep",
     "LinearizedStep",
     "LinearizedSteps",
     "Link",
@@ -162,6 +164,9 @@ __all__ = [
     "StepStatistics",
     "Support",
     "TaskControl",
+    "TaskKinematics",
+    "TaskSolution",
+    "TaskSolutions",
     "TimedPath",
     "UnsupportedFeature",
     "dlqr",

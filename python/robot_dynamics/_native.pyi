@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'KinematicTasks', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -374,6 +374,29 @@ class JointMap:
     @property
     def v_indices(self) -> list[int]:
         """The indices of the part's v in the whole robot's v."""
+
+@disjoint_base
+class KinematicTasks:
+    """The native half of `robot_dynamics.TaskKinematics`."""
+    def __new__(cls, robot: Robot) -> Self: ...
+    def _add_task(self, objective: object, law: tuple[float, int, float, float]) -> int:
+        """See `add_pose`, `add_center_of_mass`, `add_posture`, `add_look_at` and `add_constraints`."""
+    def _avoid_collisions(self, least_distance: float, range: float, gain: float) -> None:
+        """See `avoid_collisions`."""
+    def _find(self, start: Numbers, search: tuple[float, float, int, int, int]) -> _Record:
+        """See `solve`."""
+    def _find_many(self, task: int, objectives: Sequence[tuple[object, ...]], starts: Sequence[Numbers], search: tuple[float, float, int, int, int], threads: int | None) -> list[tuple[bool, _Record]]:
+        """See `solve_many`."""
+    def _next_step(self, q: Numbers, v: Numbers | None, dt: float) -> _Record:
+        """See `step`."""
+    def _set_damping(self, damping: float) -> None:
+        """See `set_damping`."""
+    def _set_limits(self, lower: Numbers | None, upper: Numbers | None, velocity: Numbers | None, acceleration: Numbers | None, position_gain: float) -> None:
+        """See `set_limits`."""
+    def _set_objective(self, task: int, objective: object) -> None:
+        """See `set_target`."""
+    def _set_weight(self, task: int, weight: float) -> None:
+        """See `set_weight`."""
 
 @final
 class OptimalMpc:

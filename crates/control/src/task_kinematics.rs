@@ -55,4 +55,6 @@ pub use controller::TaskKinematics;
 pub use error::TaskKinematicsError;
 pub use limits::KinematicLimits;
 pub use objective::{KinematicObjective, KinematicTask};
-pub use solution::{KinematicLimit, KinematicStep, KinematicTaskId, LinearizedTask, TaskError, TaskSolution};
+pub use solution::{
+    KinematicLimit, KinematicStep, KinematicTaskId, LinearizedTask, TaskResidual, TaskSolution,
+};

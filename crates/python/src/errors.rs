@@ -8,6 +8,7 @@ use pyo3::types::PyDict;
 use robot_dynamics::batch::RolloutError;
 use robot_dynamics::constraints::ConstraintError;
 use robot_dynamics::control::optimal::OptimalControlError;
+use robot_dynamics::control::task_kinematics::TaskKinematicsError;
 use robot_dynamics::control::whole_body::WholeBodyError;
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
@@ -67,6 +68,7 @@ impl Class {
             (TypeId::of::<OptimalControlError>(), Self::Control),
             (TypeId::of::<WholeBodyError>(), Self::Control),
             (TypeId::of::<InverseKinematicsError>(), Self::InverseKinematics),
+            (TypeId::of::<TaskKinematicsError>(), Self::InverseKinematics),
             (TypeId::of::<ParameterizationError>(), Self::Planning),
             (TypeId::of::<IdentificationError>(), Self::Identification),
             (TypeId::of::<ModelError>(), Self::Description),

@@ -68,6 +68,7 @@ mod rollout_pullback;
 mod scene;
 mod sensors;
 mod simulation;
+mod task_kinematics;
 
 // Calls from programs that XLA compiles, which run without Python.
 mod xla;
@@ -116,6 +117,8 @@ mod native {
     use super::simulation::batch::SimulationBatch;
     #[pymodule_export]
     use super::simulation::stepping::{Simulation, Snapshot};
+    #[pymodule_export]
+    use super::task_kinematics::KinematicTasks;
     #[pymodule_export]
     use super::threads::{num_threads, set_num_threads};
     #[pymodule_export]

@@ -13,7 +13,7 @@ use super::levels::{Bounded, Inequalities, LevelError, Levels, StepLaw};
 use super::limits::{KinematicLimits, StepBound};
 use super::objective::{KinematicObjective, KinematicTask, check_weight};
 use super::rows::{Place, TaskRows};
-use super::solution::{KinematicLimit, KinematicStep, KinematicTaskId, LinearizedTask, TaskError};
+use super::solution::{KinematicLimit, KinematicStep, KinematicTaskId, LinearizedTask, TaskResidual};
 use crate::inverse_kinematics::bounds::Bounds;
 
 /// Inverse kinematics of one robot with several tasks: see the [module](super).
@@ -193,7 +193,7 @@ impl<M: Borrow<Model>> TaskKinematics<M> {
         self.levels = Levels::new(nv, rows, pairs, self.level_numbers.len());
         self.inequalities.rows.reserve(pairs * nv);
         self.inequalities.lower.reserve(pairs);
-        self.step.errors = vec![TaskError::default(); self.tasks.len()];
+        self.step.errors = vec![TaskResidual::default(); self.tasks.len()];
     }
 
     /// The velocity of the next Δt \[s\] from q, after the velocity v, which the acceleration limits need. It

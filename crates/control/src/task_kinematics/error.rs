@@ -3,7 +3,7 @@
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
-use super::solution::{KinematicLimit, TaskError, TaskSolution};
+use super::solution::{KinematicLimit, TaskResidual, TaskSolution};
 
 /// The error of [`TaskKinematics`](super::TaskKinematics).
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -53,7 +53,7 @@ fn limits_in_words(limits: &[String]) -> String {
 }
 
 /// A task beyond the tolerances, in words.
-pub(super) fn unreached(task: &str, error: TaskError) -> String {
+pub(super) fn unreached(task: &str, error: TaskResidual) -> String {
     format!("{task} is off by {:e} m and {:e} rad", error.position, error.angle)
 }
 

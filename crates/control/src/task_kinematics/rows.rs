@@ -9,7 +9,7 @@ use robot_dynamics_description::Pose;
 use robot_dynamics_simulation::constraints::PositionRows;
 
 use super::objective::{KinematicObjective, KinematicTask};
-use super::solution::TaskError;
+use super::solution::TaskResidual;
 use crate::optimal::each_quaternion_block;
 use crate::quadratic_program::dot;
 
@@ -26,7 +26,7 @@ pub(super) struct TaskRows {
     /// The residual from which steps of a search start.
     kept: Vec<f64>,
     /// The errors without weights.
-    pub(super) error: TaskError,
+    pub(super) error: TaskResidual,
 }
 
 /// The robot, its configuration, and scratch of 12 nv numbers.
@@ -51,7 +51,7 @@ impl TaskRows {
             residual: Vec::with_capacity(rows),
             jacobian: Vec::with_capacity(rows * model.nv()),
             kept: Vec::with_capacity(rows),
-            error: TaskError::default(),
+            error: TaskResidual::default(),
         }
     }
 
@@ -85,7 +85,7 @@ impl TaskRows {
     /// Computes √w e.
     pub(super) fn evaluate(&mut self, place: &mut Place<'_>) {
         self.residual.clear();
-        self.error = TaskError::default();
+        self.error = TaskResidual::default();
         let Place { model, workspace, q, scratch } = place;
         let weight = self.task.weight;
         match &self.task.objective {

@@ -17,7 +17,7 @@ impl KinematicTaskId {
 
 /// The error of a task, without its weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TaskError {
+pub struct TaskResidual {
     /// The length of the linear rows \[m\]; for constraints the largest |φ|.
     pub position: f64,
     /// The length of the angular rows, or the angle between an axis and its direction \[rad\]; for a posture
@@ -79,7 +79,7 @@ pub struct KinematicStep {
     /// q ⊕ v Δt, nq numbers.
     pub q: Vec<f64>,
     /// The errors at the start of the step, in the order of the tasks.
-    pub errors: Vec<TaskError>,
+    pub errors: Vec<TaskResidual>,
     /// The least distance between links that was found, within the range of the avoidance \[m\].
     pub distance: Option<f64>,
     /// The steps of the quadratic programs: rows added to the working sets, or removed.
@@ -93,7 +93,7 @@ pub struct TaskSolution {
     /// q, nq numbers, within the position limits.
     pub q: Vec<f64>,
     /// The errors, in the order of the tasks.
-    pub errors: Vec<TaskError>,
+    pub errors: Vec<TaskResidual>,
     /// The number of steps from all starts.
     pub iterations: usize,
     /// The number of random starts.

@@ -9,7 +9,7 @@ use super::controller::TaskKinematics;
 use super::error::{TaskKinematicsError, unreached};
 use super::levels::{Bounded, Inequalities, Levels, StepLaw};
 use super::rows::{Place, TaskRows};
-use super::solution::{TaskError, TaskSolution};
+use super::solution::{TaskResidual, TaskSolution};
 use crate::inverse_kinematics::InverseKinematicsOptions;
 use crate::inverse_kinematics::bounds::Bounds;
 use crate::inverse_kinematics::error::check_options;
@@ -35,7 +35,7 @@ impl TaskProblem<'_> {
         self.level_numbers.first().copied()
     }
 
-    fn is_met(&self, error: TaskError) -> bool {
+    fn is_met(&self, error: TaskResidual) -> bool {
         error.position <= self.options.position_tolerance && error.angle <= self.options.angle_tolerance
     }
 
@@ -51,7 +51,7 @@ impl TaskProblem<'_> {
             }
             if is_first {
                 evaluation.squared += rows.squared();
-                let TaskError { position, angle } = rows.error;
+                let TaskResidual { position, angle } = rows.error;
                 evaluation.is_found &=
                     position <= self.options.position_tolerance && angle <= self.options.angle_tolerance;
             }
