@@ -460,6 +460,9 @@ class TaskKinematics(_native.KinematicTasks):
     ) -> None:
         """Keep links apart whose collision shapes may touch, as in a simulation.
 
+        Each pair of shapes counts at its nearest points. Between parallel faces these points jump, and pairs
+        that no motion can separate stay near; such pairs may come nearer than `least_distance`.
+
         Parameters
         ----------
         least_distance : float
