@@ -12,8 +12,8 @@ use super::levels::Inequalities;
 /// Links that are nearer than d_min move apart by the same law, as far as half of what the bounds of the
 /// joints allow.
 ///
-/// Each pair of shapes has one row, at its nearest points. Between parallel faces these points jump, and pairs
-/// that no motion can separate stay near. Such pairs may come nearer than d_min.
+/// Each pair of shapes has one row, at its nearest points. Between parallel faces these points jump, and
+/// pairs that no motion can separate stay near. Such pairs may come nearer than d_min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionAvoidance {
     /// d_min \[m\].
