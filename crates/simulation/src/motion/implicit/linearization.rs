@@ -73,6 +73,8 @@ impl ImplicitIntegrator {
             1 => self.differentiate(model, &mut workspace.dynamics, h, state, (&q1, &v1), out),
             _ => self.differentiate_parts(model, workspace, forces, (h, &begun), (&q1, &v1), out),
         });
+        // A part that failed left the record on.
+        self.record.is_on = false;
         if let Some(contacts) = &mut self.contacts {
             contacts.begin_whole();
         }
