@@ -64,7 +64,8 @@ pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
 pub use impulses::position_correction::{Bound, Equal, ROUNDING};
 pub use impulses::{
-    ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,
+    ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, SLOW_TOUCHDOWN,
+    returns,
 };
 pub(crate) use impulses::{CorrectedRow, PushingRow};
 pub use interrupt::Interrupt;

@@ -28,7 +28,7 @@ use crate::placement::{Placement, Twist};
 
 pub(crate) use self::corrected_row::CorrectedRow;
 pub use self::memory::ContactMemory;
-pub use self::search::DEEP;
+pub use self::search::{DEEP, SLOW_TOUCHDOWN};
 pub(crate) use self::variation::PushingRow;
 
 /// The time constant with which a penetration or violated stop at the start of a step is corrected, and a

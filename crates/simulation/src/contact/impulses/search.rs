@@ -13,7 +13,7 @@ use crate::contact::contact_shape::ContactShape;
 use crate::contact::shape_point::{ContactPartner, ShapePoint};
 
 /// A touchdown slower than this is not an impact that divides the step \[m/s\].
-const SLOW: f64 = 0.05;
+pub const SLOW_TOUCHDOWN: f64 = 0.05;
 
 /// Points of one pair closer than this are one point \[m\].
 const SAME: f64 = 1e-9;
@@ -61,7 +61,7 @@ impl ContactImpulses {
                 if before < -DEEP {
                     components.set(Mark::Deep, tree.min(other));
                 }
-                if way > SLOW * h && before * parts > way {
+                if way > SLOW_TOUCHDOWN * h && before * parts > way {
                     components.set(Mark::Meets, tree.min(other));
                 }
             }

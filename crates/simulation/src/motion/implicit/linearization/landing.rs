@@ -16,11 +16,9 @@ use super::super::ImplicitIntegrator;
 use super::super::advance::{ImpactPolicy, PARTS};
 use super::super::joints::Length;
 use super::columns::Columns;
-use super::systems::{solve_dependent, transpose};
+use super::systems::{push_row, solve_dependent, transpose};
+use crate::contact::SLOW_TOUCHDOWN;
 use crate::motion::linearize_step::product::multiply_changes;
-
-/// Contacts and stops that approach more slowly than this are not impacts \[m/s, rad/s\].
-const SLOW: f64 = 0.05;
 
 /// A change of velocity in a pass above this fraction of the speeds is not an acceleration: another impact
 /// follows.
@@ -138,19 +136,12 @@ impl ImplicitIntegrator {
             problem.each_block(|_, range, support, entries| {
                 let Some(contact) = recorded.next() else { return };
                 let approach: f64 = support.iter().zip(entries).map(|(k, entry)| entry * before[*k]).sum();
-                if contact.is_new && contact.gap < 0.0 && approach < -SLOW {
-                    let begin = impacts.normals.len();
-                    impacts.normals.resize(begin + nv, 0.0);
-                    impacts.impulses.resize(begin + nv, 0.0);
-                    for (k, entry) in support.iter().zip(entries) {
-                        impacts.normals[begin + k] += entry;
-                    }
-                    for (row, p) in entries.chunks_exact(support.len().max(1)).zip(&problem.multiplier[range])
-                    {
-                        for (k, entry) in support.iter().zip(row) {
-                            impacts.impulses[begin + k] += p * entry;
-                        }
-                    }
+                if contact.is_new && contact.gap < 0.0 && approach < -SLOW_TOUCHDOWN {
+                    let terms = |row| terms_of(support, row);
+                    push_row(&mut impacts.normals, nv, terms(entries));
+                    let rows = entries.chunks_exact(support.len().max(1)).zip(&problem.multiplier[range]);
+                    let terms = rows.flat_map(|(row, p)| terms(row).map(move |(k, entry)| (k, p * entry)));
+                    push_row(&mut impacts.impulses, nv, terms);
                 }
             });
         }
@@ -159,18 +150,19 @@ impl ImplicitIntegrator {
             let is_met = self.joints.stops.iter().any(|stop| {
                 let is_own = stop.row == row.number && !matches!(stop.length, Length::Path(_));
                 let (gap, speed) = if is_own { (stop.gap(q0), stop.sign * approach) } else { (-1.0, 0.0) };
-                gap > 0.0 && speed < -SLOW && gap + h * speed < 0.0
+                gap > 0.0 && speed < -SLOW_TOUCHDOWN && gap + h * speed < 0.0
             });
             if is_met {
-                let begin = impacts.normals.len();
-                impacts.normals.resize(begin + nv, 0.0);
-                impacts.impulses.resize(begin + nv, 0.0);
-                for (k, factor) in &row.terms {
-                    impacts.normals[begin + k] += factor;
-                    impacts.impulses[begin + k] += row.multiplier * factor;
-                }
+                push_row(&mut impacts.normals, nv, row.terms.iter().copied());
+                let terms = row.terms.iter().map(|(k, factor)| (*k, row.multiplier * factor));
+                push_row(&mut impacts.impulses, nv, terms);
             }
         }
         impacts
     }
+}
+
+/// The entries of a row by their coordinates.
+fn terms_of<'a>(support: &'a [usize], row: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    support.iter().copied().zip(row.iter().copied())
 }

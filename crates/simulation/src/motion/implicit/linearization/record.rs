@@ -2,6 +2,7 @@
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
 
+use super::systems::push_row;
 use crate::contact::{Components, ContactImpulses, PushingRow};
 
 clone_in_place! {
@@ -156,9 +157,7 @@ impl Correction {
     }
 
     fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, row: PushingRow) {
-        let begin = self.entries.len();
-        self.entries.resize(begin + self.way.len(), 0.0);
-        terms.for_each(|(k, entry)| self.entries[begin + k] += entry);
+        push_row(&mut self.entries, self.way.len(), terms);
         self.rows.push(row);
     }
 }

@@ -9,7 +9,7 @@ use robot_dynamics_core::{
 use super::super::ImplicitIntegrator;
 use super::columns::Columns;
 use super::parameters::inertia_regressor;
-use super::systems::{solve_dependent, transpose};
+use super::systems::{push_row, solve_dependent, transpose};
 use crate::contact::{RETURN_TIME, Set};
 use crate::motion::linearize_step::product::multiply_changes;
 use crate::placement::Placement;
@@ -64,9 +64,7 @@ enum RowSource {
 
 impl ActingRows {
     fn push(&mut self, nv: usize, terms: impl Iterator<Item = (usize, f64)>, source: RowSource) {
-        let begin = self.entries.len();
-        self.entries.resize(begin + nv, 0.0);
-        terms.for_each(|(k, entry)| self.entries[begin + k] += entry);
+        push_row(&mut self.entries, nv, terms);
         self.sources.push(source);
     }
 

@@ -1,4 +1,4 @@
-//! Linear systems whose equations may depend on each other, and transposes.
+//! Linear systems whose equations may depend on each other, rows, and transposes.
 
 /// A pivot below this fraction of the largest entry is zero: its equation depends on the others.
 const DEPENDENT: f64 = 1e-9;
@@ -65,6 +65,13 @@ pub(super) fn solve_dependent(system: &mut [f64], n: usize, right: &mut [f64], w
     for (at, unknown) in order.into_iter().enumerate() {
         right[unknown * width..(unknown + 1) * width].copy_from_slice(&solved[at * width..(at + 1) * width]);
     }
+}
+
+/// Appends a row of `width` numbers with these entries; entries of one column are added.
+pub(super) fn push_row(matrix: &mut Vec<f64>, width: usize, terms: impl Iterator<Item = (usize, f64)>) {
+    let begin = matrix.len();
+    matrix.resize(begin + width, 0.0);
+    terms.for_each(|(k, entry)| matrix[begin + k] += entry);
 }
 
 /// The transpose of a row-major matrix.
