@@ -1,5 +1,6 @@
 //! Inverse kinematics, operational-space control, LQR, time-optimal paths and identification of parameters.
 
+mod dof_limits;
 mod identification;
 mod inverse_kinematics;
 mod lqr;

@@ -1,9 +1,10 @@
 //! Limits of positions, velocities and accelerations, as bounds on a step.
 
-use robot_dynamics_core::{Model, check_vector};
+use robot_dynamics_core::Model;
 use robot_dynamics_number::InvalidInput;
 
 use super::solution::KinematicLimit;
+use crate::dof_limits::check_dof_limits;
 use crate::inverse_kinematics::bounds::Bounds;
 
 /// Limits of each degree of freedom, nv entries each; infinite entries do not limit.
@@ -51,26 +52,14 @@ impl KinematicLimits {
 
     /// Checks lengths, signs and order.
     pub(super) fn check(&self, model: &Model) -> Result<(), InvalidInput> {
-        for (name, limits) in
-            [("the velocity limits", &self.velocity), ("the acceleration limits", &self.acceleration)]
-        {
-            if let Some(bad) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
-                return Err(InvalidInput::out_of_range(name, *bad, "", "zero or positive"));
-            }
-            if limits.len() != model.nv() {
-                return check_vector(model, name, limits);
-            }
-        }
-        if self.position.len() != model.nv() {
-            return Err(InvalidInput::unmet("the position limits", "must have nv entries"));
-        }
         let is_share = self.position_gain > 0.0 && self.position_gain <= 1.0;
         if !is_share {
             let range = "above 0 and at most 1";
             return Err(InvalidInput::out_of_range("the position gain", self.position_gain, "", range));
         }
-        let is_ordered = self.position.iter().all(|[lower, upper]| lower <= upper);
-        if is_ordered { Ok(()) } else { Err(InvalidInput::unmet("the position limits", "must be ordered")) }
+        let magnitudes: [(&str, &[f64]); 2] =
+            [("the velocity limits", &self.velocity), ("the acceleration limits", &self.acceleration)];
+        check_dof_limits(model, &magnitudes, &self.position)
     }
 
     /// The position limits as bounds, for coordinates that have one of their own.

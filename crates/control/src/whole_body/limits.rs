@@ -1,7 +1,9 @@
 //! Limits of torques and of the motion of joints.
 
-use robot_dynamics_core::{Model, check_vector};
+use robot_dynamics_core::Model;
 use robot_dynamics_number::{InvalidInput, check_positive};
+
+use crate::dof_limits::check_dof_limits;
 
 /// Limits of each degree of freedom, nv entries each; infinite entries do not limit.
 ///
@@ -59,23 +61,12 @@ impl WholeBodyLimits {
     /// Checks lengths and signs.
     pub(super) fn check(&self, model: &Model) -> Result<(), InvalidInput> {
         check_positive("the rate of the limits", self.rate, "1/s")?;
-        for (name, limits) in [
+        let magnitudes: [(&str, &[f64]); 3] = [
             ("the torque limits", &self.torque),
             ("the acceleration limits", &self.acceleration),
             ("the velocity limits", &self.velocity),
-        ] {
-            if let Some(bad) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
-                return Err(InvalidInput::out_of_range(name, *bad, "", "zero or positive"));
-            }
-            if limits.len() != model.nv() {
-                return check_vector(model, name, limits);
-            }
-        }
-        if self.position.len() != model.nv() {
-            return Err(InvalidInput::unmet("the position limits", "must have nv entries"));
-        }
-        let is_ordered = self.position.iter().all(|[lower, upper]| lower <= upper);
-        if is_ordered { Ok(()) } else { Err(InvalidInput::unmet("the position limits", "must be ordered")) }
+        ];
+        check_dof_limits(model, &magnitudes, &self.position)
     }
 
     /// The bounds on the acceleration of a degree of freedom with the velocity v; `q` is its coordinate, if
