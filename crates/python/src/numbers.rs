@@ -55,6 +55,11 @@ pub(crate) fn several<const N: usize>(name: &str, object: &Bound<'_, PyAny>) -> 
     Ok(numbers)
 }
 
+/// The linear and the angular part of six numbers.
+pub(crate) fn halves(x: [f64; 6]) -> [[f64; 3]; 2] {
+    [[x[0], x[1], x[2]], [x[3], x[4], x[5]]]
+}
+
 /// nv finite numbers.
 pub(crate) fn vector(
     py: Python<'_>,

@@ -11,7 +11,7 @@ use robot_dynamics::simulation::ControllerError;
 use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
 use crate::constraints::spatial_axes;
 use crate::errors::{Class, exception_of};
-use crate::numbers::{configuration, numbers, pose_of, several, shaped};
+use crate::numbers::{configuration, halves, numbers, pose_of, several, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
 
@@ -216,12 +216,9 @@ fn pose_reference(given: &Bound<'_, PyAny>) -> PyResult<PoseReference> {
     let (_, pose) = shaped(given.py(), "the reference's pose", &place, &[4, 4])?;
     let at_rest = PoseReference::at_rest(pose_of(&pose));
     let Some((velocity, acceleration)) = rates else { return Ok(at_rest) };
-    let two_vectors = |name, object: &Bound<'_, PyAny>| {
-        let x: [f64; 6] = several(name, object)?;
-        PyResult::Ok(([x[0], x[1], x[2]], [x[3], x[4], x[5]]))
-    };
-    let (linear, angular) = two_vectors(VELOCITY, &velocity)?;
+    let two_vectors = |name, object: &Bound<'_, PyAny>| several(name, object).map(halves);
+    let [linear, angular] = two_vectors(VELOCITY, &velocity)?;
     let velocity = Twist { linear, angular };
-    let (linear, angular) = two_vectors(ACCELERATION, &acceleration)?;
+    let [linear, angular] = two_vectors(ACCELERATION, &acceleration)?;
     Ok(PoseReference { velocity, acceleration: SpatialAcceleration { linear, angular }, ..at_rest })
 }

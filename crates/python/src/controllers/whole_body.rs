@@ -18,7 +18,7 @@ use self::solution::solution_of;
 use super::law::{Controls, Law, check_own, torque};
 use crate::errors::exception;
 use crate::exclusive::Exclusive;
-use crate::numbers::{array, configuration, record, shaped, vector};
+use crate::numbers::{array, configuration, object, record, shaped, vector};
 use crate::robot::Robot;
 
 /// The native half of `robot_dynamics.whole_body.WholeBodyControl`.
@@ -73,7 +73,7 @@ impl WholeBody {
                 ("velocity", array(py, velocity)?),
                 ("lower", array(py, &bound(0))?),
                 ("upper", array(py, &bound(1))?),
-                ("rate", crate::numbers::object(py, *rate)?),
+                ("rate", object(py, *rate)?),
             ],
         )
     }

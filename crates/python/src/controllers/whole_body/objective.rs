@@ -8,7 +8,7 @@ use robot_dynamics::control::whole_body::{ALL_AXES, Objective, PdGains};
 use robot_dynamics::control::{PoseReference, Reference, TaskReference};
 
 use crate::constraints::spatial_axes;
-use crate::numbers::{configuration, pose_of, several, shaped, vector};
+use crate::numbers::{configuration, halves, pose_of, several, shaped, vector, vector_or_zeros};
 use crate::robot::Robot;
 
 /// The objective that an object describes.
@@ -46,7 +46,7 @@ pub(super) fn objective_of(py: Python<'_>, robot: &Robot, object: &Bound<'_, PyA
         Ok("posture") => {
             let or_zeros = |name: &str| {
                 let given = object.getattr(name)?;
-                crate::numbers::vector_or_zeros(py, robot, name, (!given.is_none()).then_some(&given))
+                vector_or_zeros(py, robot, name, (!given.is_none()).then_some(&given))
             };
             let q = configuration(py, robot, &object.getattr("q")?)?;
             let reference = Reference { q, v: or_zeros("velocity")?, a: or_zeros("acceleration")? };
@@ -93,10 +93,6 @@ fn rates<const N: usize>(object: &Bound<'_, PyAny>) -> PyResult<[[f64; N]; 2]> {
 fn several_or_zeros<const N: usize>(name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
     let given = object.getattr(name)?;
     if given.is_none() { Ok([0.0; N]) } else { several(&format!("the target {name}"), &given) }
-}
-
-fn halves(x: [f64; 6]) -> [[f64; 3]; 2] {
-    [[x[0], x[1], x[2]], [x[3], x[4], x[5]]]
 }
 
 fn twist([linear, angular]: [[f64; 3]; 2]) -> Twist {
