@@ -277,23 +277,18 @@ def rollout(
     if ground is not None:
         raise ValueError(f"integrator={integrator!r} has no contact: a ground needs integrator='implicit'")
     row, dissipates = robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
-    q = _array("q", q)
-    v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
-    lead = _batch_shape([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
-    given, own, torques = [q, v], [1, 1], "none"
+    given, own, lead = _start(robot, q, v, tau, steps)
+    torques = "none"
     if tau is not None:
-        tau = _array("tau", tau)
-        torques = "each" if tau.ndim > len(lead) + 1 else "held"
-        last = (steps, robot.nv) if torques == "each" else (robot.nv,)
-        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
+        torques = "each" if own[2] == 2 else "held"
         limits = effort_limits(robot, conservative, off)
         if limits is not None:
-            tau = jnp.clip(tau, -limits.astype(tau.dtype), limits.astype(tau.dtype))
-        given, own = [*given, tau], [*own, len(last)]
+            limits = limits.astype(given[2].dtype)
+            given[2] = jnp.clip(given[2], -limits, limits)
     if parameters is not None:
         parameters = _array("parameters", parameters)
         count = len(robot.parameter_names)
-        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("parameters", parameters, (count,))], robot))
+        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", given[0], (robot.nq,)), ("parameters", parameters, (count,))], robot))
         parameters = _broadcast_parameters(parameters, lead)
     samples = steps // stride if stride > 0 else 0
     ends = calls.rollout(
@@ -303,7 +298,7 @@ def rollout(
         settings=calls.RolloutSettings(torques, steps, dt, row, dissipates, stride if samples else 0),
         parameters=parameters,
     )
-    nothing = [jnp.zeros((*lead, 0, width), q.dtype) for width in (robot.nq, robot.nv)]
+    nothing = [jnp.zeros((*lead, 0, width), given[0].dtype) for width in (robot.nq, robot.nv)]
     return Rollout(*ends, *nothing[len(ends) - 2 :])
 
 
@@ -385,24 +380,29 @@ def _contact_rollout(
     robot: Robot, q: Any, v: Any, tau: Any, parameters: Any, how: dict[str, Any]
 ) -> Rollout:
     """Rollout with contact."""
-    import jax.numpy as jnp
-
     from robot_dynamics.xla.contact_rollouts import contact_rollout
 
     if parameters is not None:
         raise ValueError(f"integrator={how['integrator']!r} takes no parameters: use `Robot.with_parameters`")
+    given, own, lead = _start(robot, q, v, tau, how["steps"])
+    if given[0].dtype != "float64":
+        raise DTypeError("rollouts with contact need float64 arrays; set jax_enable_x64")
+    return Rollout(*contact_rollout(robot, _broadcast(given, own, lead), how))
+
+
+def _start(robot: Robot, q: Any, v: Any, tau: Any, steps: int) -> tuple[list[Any], list[int], tuple[int, ...]]:
+    """Arrays of the start and the torques, the number of own dimensions of each, and those of the batch."""
+    import jax.numpy as jnp
+
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
     lead = _batch_shape([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
-    given, own = [q, v], [1, 1]
-    if tau is not None:
-        tau = _array("tau", tau)
-        last = (how["steps"], robot.nv) if tau.ndim > len(lead) + 1 else (robot.nv,)
-        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
-        given, own = [*given, tau], [*own, len(last)]
-    if q.dtype != "float64":
-        raise DTypeError("rollouts with contact need float64 arrays; set jax_enable_x64")
-    return Rollout(*contact_rollout(robot, _broadcast(given, own, lead), how))
+    if tau is None:
+        return [q, v], [1, 1], lead
+    tau = _array("tau", tau)
+    last = (steps, robot.nv) if tau.ndim > len(lead) + 1 else (robot.nv,)
+    lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
+    return [q, v, tau], [1, 1, len(last)], lead
 
 
 def _compute_row(

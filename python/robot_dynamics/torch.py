@@ -27,7 +27,7 @@ friction, springs and gravity. The sign of friction is held.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -327,12 +327,17 @@ def _changed_robot(robot: Robot, parameters: Any) -> Robot:
     return _with_parameters(robot, _array(parameters).astype(np.float64).tobytes())
 
 
+def _with_own(robot: Robot, own: Any, results: Callable[[Robot], Arrays]) -> Arrays:
+    """Results of the robot with `own` parameters, if there are any; NaN if these are not finite."""
+    if own is not None and not np.isfinite(_array(own)).all():
+        return tuple(x if x is None else np.full_like(x, np.nan) for x in results(robot))
+    return results(_changed_robot(robot, own))
+
+
 def _compute(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
     """Results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states.
     """
-    if own is not None and not np.isfinite(_array(own)).all():
-        return tuple(x if x is None else np.full_like(x, np.nan) for x in compute(robot, name, *given, **options))
-    return compute(_changed_robot(robot, own), name, *given, **options)
+    return _with_own(robot, own, lambda changed: compute(changed, name, *given, **options))
 
 
 @cache
@@ -352,13 +357,11 @@ def _rollout_functions() -> tuple[Any, Any]:
             start, speed, *ends_and_cotangents = (_array(each) for each in (q, v, *rest))
             ends, cotangents = tuple(ends_and_cotangents[:2]), tuple(ends_and_cotangents[2:])
             state = (start, speed, None if tau is None else _array(tau))
-            own, is_finite = robot, True
-            if parameters is not None:
-                is_finite = bool(np.isfinite(_array(parameters)).all())
-                own = _changed_robot(robot, parameters) if is_finite else robot
-            results = rollout_gradients(own, how, state, ends, cotangents, by_parameters=by_parameters)
-            if not is_finite:
-                results = tuple(x if x is None else np.full_like(x, np.nan) for x in results)
+
+            def gradients(changed: Any) -> Any:
+                return rollout_gradients(changed, how, state, ends, cotangents, by_parameters=by_parameters)
+
+            results = _with_own(robot, parameters, gradients)
             nothing = q.new_zeros((*q.shape[:-1], 0))
             return tuple(nothing.clone() if each is None else torch.as_tensor(each) for each in results)
 
