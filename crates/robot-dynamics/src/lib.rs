@@ -210,7 +210,7 @@ pub mod control {
         InverseKinematicsOptions, InverseKinematicsSolution, LimitUtilization, LinkConsistency, MotionLimits,
         MotionRecord, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace,
         ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl, TaskGains,
-        TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr,
+        TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr, identification,
         inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
         operational_space_into, optimal, path_coefficients, physical_consistency, pseudo_inertia,
         task_kinematics, time_optimal, whole_body,

@@ -8,6 +8,7 @@ mod coriolis;
 mod golden;
 mod identification;
 mod joint_reactions;
+mod joint_terms;
 mod kinematics;
 mod long_slides;
 mod lqr;
