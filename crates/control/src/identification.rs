@@ -11,7 +11,8 @@
 //!
 //! Cost: O(rows · parameters²) for the factorization. Motions that excite few combinations give a large
 //! condition number, and noise then dominates. Least squares does not ensure positive masses;
-//! [`physical_consistency`] lists links with impossible values.
+//! [`physical_consistency`] lists links with impossible values. [`identify_consistent`] finds parameters of
+//! bodies, near nominal ones.
 //!
 //! Sources:
 //! - Atkeson, An, Hollerbach (1986), as in
@@ -20,11 +21,16 @@
 //!   6 (1990).
 //! - Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
 //!   identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
+//! - Lee, Wensing, Park, *Geometric robot dynamic identification: a convex programming approach*, IEEE T-RO
+//!   36 (2020) for the entropic divergence.
 //! - Ayusawa, Venture, Nakamura, *Identifiability and identification of inertial parameters using the
 //!   underactuated base-link dynamics for legged multibody systems*, Int. J. Robotics Research 33 (2014).
 
 mod base_parameters;
 mod consistency;
+mod consistent;
+mod consistent_options;
+mod entropic;
 mod error;
 mod joint_term;
 mod least_squares;
@@ -32,6 +38,9 @@ mod record;
 
 pub use base_parameters::{BaseParameter, BaseParameters};
 pub use consistency::{LinkConsistency, physical_consistency, pseudo_inertia};
+pub use consistent::{ConsistentEstimate, identify_consistent};
+pub use consistent_options::ConsistentOptions;
+pub use entropic::entropic_divergence;
 pub use error::IdentificationError;
 pub use joint_term::{JointTerm, JointTermKind};
 pub use least_squares::IdentificationResult;

@@ -4,6 +4,7 @@
 mod common;
 
 mod closed_forms;
+mod consistent_identification;
 mod coriolis;
 mod golden;
 mod identification;
