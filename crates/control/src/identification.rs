@@ -34,6 +34,7 @@ mod entropic;
 mod error;
 mod joint_term;
 mod least_squares;
+mod payload;
 mod record;
 
 pub use base_parameters::{BaseParameter, BaseParameters};
@@ -44,6 +45,7 @@ pub use entropic::entropic_divergence;
 pub use error::IdentificationError;
 pub use joint_term::{JointTerm, JointTermKind};
 pub use least_squares::IdentificationResult;
+pub use payload::{Payload, PayloadEstimator};
 pub use record::MotionRecord;
 
 use robot_dynamics_core::Model;

@@ -14,6 +14,7 @@ mod kinematics;
 mod long_slides;
 mod lqr;
 mod not_finite;
+mod payload;
 mod pullback;
 mod rank;
 mod regressor;
