@@ -23,6 +23,8 @@
 //!   identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
 //! - Lee, Wensing, Park, *Geometric robot dynamic identification: a convex programming approach*, IEEE T-RO
 //!   36 (2020) for the entropic divergence.
+//! - Swevers et al., *Optimal robot excitation and identification*, IEEE T-RA 13 (1997) for the motions of
+//!   [`design_excitation`].
 //! - Ayusawa, Venture, Nakamura, *Identifiability and identification of inertial parameters using the
 //!   underactuated base-link dynamics for legged multibody systems*, Int. J. Robotics Research 33 (2014).
 
@@ -32,6 +34,7 @@ mod consistent;
 mod consistent_options;
 mod entropic;
 mod error;
+mod excitation;
 mod joint_term;
 mod least_squares;
 mod payload;
@@ -43,6 +46,10 @@ pub use consistent::{ConsistentEstimate, identify_consistent};
 pub use consistent_options::ConsistentOptions;
 pub use entropic::entropic_divergence;
 pub use error::IdentificationError;
+pub use excitation::{
+    Excitation, ExcitationCriterion, ExcitationLimits, ExcitationOptions, FourierSeries, design_excitation,
+    design_excitation_observed,
+};
 pub use joint_term::{JointTerm, JointTermKind};
 pub use least_squares::IdentificationResult;
 pub use payload::{Payload, PayloadEstimator};

@@ -6,6 +6,7 @@ mod common;
 mod closed_forms;
 mod consistent_identification;
 mod coriolis;
+mod excitation;
 mod golden;
 mod identification;
 mod joint_reactions;
