@@ -5,6 +5,7 @@
 //! g. Cost: O(joints of the tendons and actuators). Stiff springs and dampers of this kind need implicit
 //! steps.
 
+mod affine_forces;
 mod carried_weight;
 mod controller_memory;
 mod coupling;
@@ -23,6 +24,7 @@ mod tendon_law;
 mod transmission;
 mod workspace;
 
+pub use affine_forces::AffineForces;
 pub use derivatives::ActuationDerivatives;
 pub use workspace::ActuationWorkspace;
 

@@ -33,7 +33,7 @@ pub mod constraints;
 // The simulator.
 pub mod simulator;
 
-pub use actuation::{Actuation, ActuationDerivatives, ActuationWorkspace};
+pub use actuation::{Actuation, ActuationDerivatives, ActuationWorkspace, AffineForces};
 pub use constraints::{
     Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionDerivatives, ConstrainedMotionPullback,
     ConstrainedPullbackInputs, ConstrainedStepReport, ConstrainedTorque, ConstrainedTorqueDerivatives,
@@ -73,8 +73,8 @@ pub use motion::pullback::{
 pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, ControlTiming, StepStatistics};
 pub use motion::simulate::{
     CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event, EventOccurrence,
-    GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure, Sample,
-    StateTransition, StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_account, record_step,
-    steps_in,
+    GravityAt, GravityCompensatedPd, ImplicitGains, IntoCallbackResult, Losses, Run, RunError, RunFailure,
+    Sample, StateTransition, StepError, StepInfo, Stepper, Trajectory, WithImplicitGains, ZeroTorque,
+    energy_account, record_step, steps_in,
 };
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

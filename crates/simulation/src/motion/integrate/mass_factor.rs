@@ -31,11 +31,26 @@ impl MassFactor {
         workspace: &mut Workspace,
         q: &[f64],
     ) -> Result<(), IntegratorError> {
+        self.factor_sum(model, workspace, q, |_| 0.0)
+    }
+
+    /// Factors M(q) + diag(d) with entries d ≥ 0.
+    ///
+    /// # Errors
+    /// As [`factor`](Self::factor).
+    pub fn factor_sum(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        added: impl Fn(usize) -> f64,
+    ) -> Result<(), IntegratorError> {
         let Self { parent, entries: m, diagonal } = self;
         let n = parent.len();
         mass_matrix(model, workspace, q, m);
         for k in 0..n {
             diagonal[k] = m[k * n + k];
+            m[k * n + k] += added(k);
         }
         sparse::factor_watched(parent, m, |k| diagonal[k])
     }

@@ -1,7 +1,7 @@
 //! Errors of controllers.
 
 use robot_dynamics_core::{Model, MotionError, SingularMass, check_configuration, check_vector};
-use robot_dynamics_number::{Classified, ErrorKind, InvalidInput, check_number, check_result};
+use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput, check_number, check_result};
 use thiserror::Error;
 
 use super::callback::CallbackError;
@@ -77,4 +77,10 @@ pub(crate) fn check_input_torque(model: &Model, tau: &[f64]) -> Result<(), Inval
 /// Checks that the torque is finite.
 pub fn check_torque(tau: &[f64]) -> Result<(), InvalidInput> {
     check_result("the controller's torque", tau)
+}
+
+/// The error for an M that could not be factored.
+pub fn singular_mass(model: &Model, q: &[f64]) -> ControllerError {
+    let overflow = || InvalidInput::new("M⁻¹", InputProblem::Overflow { value: f64::INFINITY }).into();
+    model.inverse_mass_matrix(q).err().unwrap_or_else(overflow).into()
 }

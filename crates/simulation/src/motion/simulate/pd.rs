@@ -3,8 +3,8 @@
 use std::borrow::Borrow;
 
 use robot_dynamics_core::{Model, Workspace, check_configuration, check_vector, difference, gravity};
-use robot_dynamics_description::check_length;
 
+use super::implicit_gains::{ImplicitGains, set_limits};
 use super::{Controller, ControllerError, check_controller_input, check_torque};
 
 /// The configuration of the gravity term in [`GravityCompensatedPd`].
@@ -57,6 +57,7 @@ pub struct GravityCompensatedPd<R> {
     damping: Vec<f64>,
     limits: Vec<f64>,
     gravity_at: GravityAt,
+    implicit: Option<ImplicitGains>,
     gravity: Vec<f64>,
     error: Vec<f64>,
     peak_demand: Vec<f64>,
@@ -105,6 +106,7 @@ impl<R: Borrow<Model>> GravityCompensatedPd<R> {
             damping: damping.to_vec(),
             limits: model.coordinate_limits().iter().map(|limits| limits.effort).collect(),
             gravity_at: GravityAt::Target,
+            implicit: None,
             gravity: weight,
             error: vec![0.0; nv],
             peak_demand: vec![0.0; nv],
@@ -126,10 +128,34 @@ impl<R: Borrow<Model>> GravityCompensatedPd<R> {
     #[must_use]
     #[track_caller]
     pub fn with_limits(mut self, limits: &[f64]) -> Self {
-        check_length("the limits", limits.len(), self.limits.len());
-        assert!(limits.iter().all(|&limit| limit >= 0.0), "limits must not be negative, got {limits:?}");
-        self.limits.copy_from_slice(limits);
+        set_limits(&mut self.limits, limits);
         self
+    }
+
+    /// Applies the gains at the end of the period h \[s\] in which the torque is held: see [`ImplicitGains`].
+    /// The law is then stable for any stiffness and damping.
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let hold = || GravityCompensatedPd::new(&model, &[0.5], &[1e8], &[0.0]);
+    /// let (mut explicit, mut implicit) = (hold()?, hold()?.with_implicit_gains(1e-3)?);
+    /// let [mut large, mut small] = [[0.0]; 2];
+    /// explicit.torque(0.0, &[0.4], &[0.0], &mut large)?;
+    /// implicit.torque(0.0, &[0.4], &[0.0], &mut small)?;
+    /// // The torque that brings 0.5 kg m² by 0.1 rad to the target in 1 ms is 5e4 N m.
+    /// assert!(large[0] > 9e6 && small[0] < 6e4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ControllerError::Motion`] if h is not positive, or a gain is negative.
+    pub fn with_implicit_gains(mut self, period: f64) -> Result<Self, ControllerError> {
+        self.implicit =
+            Some(ImplicitGains::new(self.model.borrow(), &self.stiffness, &self.damping, period)?);
+        Ok(self)
     }
 
     /// The largest |τ| before the limits, per coordinate, over all calls \[N·m or N\].
@@ -161,6 +187,9 @@ impl<R: Borrow<Model>> Controller for GravityCompensatedPd<R> {
         }
         for (tau, _) in tau.iter_mut().zip(model.actuated_dofs()).filter(|(_, actuated)| !**actuated) {
             *tau = 0.0;
+        }
+        if let Some(gains) = &mut self.implicit {
+            gains.apply(model, &mut self.workspace, q, v, tau)?;
         }
         // The check precedes the limits, which would hide an infinity.
         check_torque(tau)?;
