@@ -1,9 +1,10 @@
 //! Inverse kinematics, operational-space control, LQR, time-optimal paths and identification of parameters.
 
 mod dof_limits;
-pub mod identification;
+mod identification;
 mod inverse_kinematics;
 mod lqr;
+mod momentum_observer;
 mod operational_space;
 pub mod optimal;
 mod quadratic_program;
@@ -11,6 +12,11 @@ pub mod task_kinematics;
 mod time_parameterization;
 pub mod whole_body;
 
+mod admittance;
+mod control_allocation;
+
+pub use admittance::Admittance;
+pub use control_allocation::ControlAllocation;
 pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, IdentificationResult, LinkConsistency, MotionRecord,
     inertial_parameter_names, physical_consistency, pseudo_inertia,
@@ -20,9 +26,11 @@ pub use inverse_kinematics::{
     inverse_kinematics,
 };
 pub use lqr::{Dlqr, DlqrError, dlqr};
+pub use momentum_observer::MomentumObserver;
 pub use operational_space::{
-    ComputedTorque, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference,
-    Reference, TaskControl, TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
+    ComputedTorque, EffortScales, ImpedanceControl, ImpedanceGains, OperationalSpace, OperationalSpaceInputs,
+    OperationalSpaceWorkspace, PoseReference, Reference, TaskControl, TaskDeviation, TaskGains,
+    TaskReference, TaskTarget, operational_space, operational_space_into,
 };
 pub use time_parameterization::{
     Collocation, CubicSpline, LimitUtilization, MotionLimits, ParameterizationError, PathCoefficients,

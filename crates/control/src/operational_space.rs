@@ -3,20 +3,26 @@
 //! Λ ẍ + μ + p = F at a frame, with Λ = (J M⁻¹Jᵀ)⁻¹, J̄ = M⁻¹JᵀΛ and τ = JᵀF. M⁻¹Jᵀ comes from the sparse
 //! factor of M, O(n depth²) and O(n depth) for each of at most six columns.
 //!
-//! Λ does not exist at a singular pose. Controllers damp it near one, and return an error at it.
+//! Λ does not exist at a singular pose. Controllers damp it there, and return an error if a row cannot be
+//! moved at any pose.
 //!
 //! Source: Khatib, *A unified approach for motion and force control of robot manipulators*, IEEE J. Robotics
 //! and Automation 3 (1987).
 
 mod actuated_part;
 mod computed_torque;
+mod effort_limits;
+mod frame_law;
+mod impedance;
 mod mobility;
-mod singular_mass;
 mod target;
 mod task;
+mod torque;
 
 pub use computed_torque::{ComputedTorque, Reference};
-pub use target::{PoseReference, TaskReference, TaskTarget};
+pub use effort_limits::EffortScales;
+pub use impedance::{ImpedanceControl, ImpedanceGains};
+pub use target::{PoseReference, TaskDeviation, TaskReference, TaskTarget};
 pub use task::{TaskControl, TaskGains};
 
 use nalgebra::{DMatrix, DVector};
@@ -25,13 +31,13 @@ use robot_dynamics_core::{
     frame_bias_acceleration, frame_jacobian,
 };
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::{check_finite, check_result};
+use robot_dynamics_number::check_result;
 use robot_dynamics_simulation::motion::integrate::MassFactor;
+use robot_dynamics_simulation::motion::simulate::singular_mass;
 use robot_dynamics_simulation::{ControllerError, SpatialAxis};
 
 use self::actuated_part::ActuatedPart;
 use self::mobility::{MOST_ROWS, Mobility};
-use self::singular_mass::singular_mass;
 
 /// A row is singular if its mobility independent of the others is below this fraction of its own; Λ would
 /// have less than four digits.
@@ -69,8 +75,21 @@ struct Scratch {
     mass: MassFactor,
     /// Present if only motors act, and they do not drive every coordinate.
     part: Option<ActuatedPart>,
+    /// The diagonal of J M⁻¹Jᵀ.
+    mobility: [f64; MOST_ROWS],
     /// Present if Λ is damped near a singular pose.
-    damping: Option<f64>,
+    damping: Option<Damping>,
+}
+
+/// The damping of Λ near a singular pose.
+#[derive(Clone, Debug)]
+struct Damping {
+    /// The fraction of the typical mobility below which a row is damped.
+    fraction: f64,
+    /// The typical mobility of each row \[1/kg, 1/(kg·m²)\].
+    typical: [f64; MOST_ROWS],
+    /// Whether Λ was damped in the last call.
+    is_active: bool,
 }
 
 impl Scratch {
@@ -81,6 +100,7 @@ impl Scratch {
             force: vec![0.0; nv],
             mass: MassFactor::new(model),
             part: None,
+            mobility: [0.0; MOST_ROWS],
             damping: None,
         }
     }
@@ -93,11 +113,10 @@ impl OperationalSpaceWorkspace {
     }
 
     /// The same for a robot that is driven by its motors only: J̃, Λ̃ and μ̃, where the unactuated
-    /// coordinates move according to the dynamics. Λ̃ is damped near a singular pose.
-    fn of_actuated(model: &Model, damping: f64) -> Self {
+    /// coordinates move according to the dynamics.
+    fn of_actuated(model: &Model) -> Self {
         let mut workspace = Self::new(model);
         workspace.scratch.part = ActuatedPart::new(model);
-        workspace.scratch.damping = Some(damping);
         workspace
     }
 }
@@ -208,7 +227,7 @@ fn compute(
     check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
     check_configuration(model, q)?;
     check_vector(model, "v", v)?;
-    let Scratch { jacobian: full, force, mass, part, damping } = scratch;
+    let Scratch { jacobian: full, force, mass, part, mobility: own_mobility, damping } = scratch;
     frame_jacobian(model, workspace, q, frame, ReferenceFrame::LocalWorldAligned, full);
     let rate = frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned);
     bias(model, workspace, q, v, force);
@@ -243,9 +262,10 @@ fn compute(
         }
     }
     let mut mobility = Mobility::new(count, |i, j| jacobian.row(i).tr_dot(&consistent_inverse.column(j)));
-    let factored = match *damping {
-        Some(damping) => mobility.factor_damped(damping),
-        None => mobility.factor(LEAST_MOBILITY).map(|_| ()),
+    *own_mobility = mobility.diagonal();
+    let factored = match damping {
+        Some(own) => mobility.factor_damped(own.fraction, &own.typical).map(|damped| own.is_active = damped),
+        None => mobility.factor(LEAST_MOBILITY),
     };
     if let Err((row, pivot)) = factored {
         return Err(ControllerError::SingularPose { row: rows[row].name(), pivot });
@@ -280,120 +300,5 @@ impl OperationalSpace {
             bias_acceleration: DVector::zeros(rows),
             bias_force: DVector::zeros(rows),
         }
-    }
-
-    /// τ = JᵀF with F = Λ ẍ + μ + p: the torque that gives the frame this acceleration. The motion of the
-    /// robot in the null space is not controlled, and gravity acts on it: see
-    /// [`torque_with_posture`](Self::torque_with_posture). It allocates.
-    ///
-    /// # Errors
-    /// [`ControllerError`] if ẍ is not finite, or τ overflows.
-    ///
-    /// # Panics
-    /// Panics if ẍ has the wrong length.
-    #[track_caller]
-    pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, ControllerError> {
-        let mut tau = DVector::zeros(self.jacobian.ncols());
-        self.add_force(&self.force(acceleration)?, tau.as_mut_slice())?;
-        Ok(tau)
-    }
-
-    /// (1 − JᵀJ̄ᵀ) τ₀: a torque without its component that accelerates the frame. It allocates.
-    ///
-    /// # Errors
-    /// [`ControllerError`] if τ₀ is not finite, or the result overflows.
-    ///
-    /// # Panics
-    /// Panics if τ₀ has the wrong length.
-    #[track_caller]
-    pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, ControllerError> {
-        let mut rest = DVector::zeros(self.jacobian.ncols());
-        self.with_null_torque([0.0; MOST_ROWS], tau, rest.as_mut_slice())?;
-        Ok(rest)
-    }
-
-    /// The torque with a null-space part:
-    ///
-    /// > τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀,  F = Λ ẍ + μ + p
-    ///
-    /// The frame accelerates with ẍ for any τ₀, and τ₀ controls the motion in the null space. τ has nv
-    /// entries, ẍ has K, and τ₀ has nv. It does not allocate.
-    ///
-    /// τ₀ = C v + g − k (q ⊖ q\*) − d v keeps an arm's elbow in place. Without C v + g, which compensates its
-    /// weight, the elbow sags, and without the spring it drifts.
-    ///
-    /// ```
-    /// use robot_dynamics::algorithms::forward_dynamics;
-    /// use robot_dynamics::algorithms::{ReferenceFrame, frame_acceleration};
-    /// use robot_dynamics::constraints::SpatialAxis;
-    /// use robot_dynamics::control::operational_space;
-    /// use robot_dynamics::description::{JointKinds, RandomRobotOptions, random_robot};
-    /// use robot_dynamics::model::{Model, Workspace};
-    /// let options = RandomRobotOptions { joints: 7, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
-    /// let model = Model::new(random_robot(4, &options))?;
-    /// let hand = model.frame(&model.frames()[model.frames().len() - 1].name).expect("a frame");
-    /// let (w, q, v) = (&mut Workspace::new(&model), vec![0.4; 7], vec![0.0; 7]);
-    /// let rows = [SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z];
-    /// let space = operational_space(&model, w, &q, &v, hand, &rows)?;
-    /// let (mut tau, mut a) = (vec![0.0; 7], vec![0.0; 7]);
-    /// space.torque_with_posture(&[0.1, 0.2, 0.3], &vec![5.0; 7], &mut tau)?;
-    /// forward_dynamics(&model, w, &q, &v, &tau, &mut a);
-    /// let moved = frame_acceleration(&model, w, &q, &v, &a, hand, ReferenceFrame::LocalWorldAligned).linear;
-    /// assert!((moved[1] - 0.2).abs() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`ControllerError`] if ẍ or τ₀ is not finite, or τ overflows; τ is then unspecified.
-    ///
-    /// # Panics
-    /// Panics if a slice has the wrong length.
-    #[track_caller]
-    pub fn torque_with_posture(
-        &self,
-        acceleration: &[f64],
-        posture: &[f64],
-        tau: &mut [f64],
-    ) -> Result<(), ControllerError> {
-        self.with_null_torque(self.force(acceleration)?, posture, tau)
-    }
-
-    /// F = Λ ẍ + μ + p.
-    fn force(&self, acceleration: &[f64]) -> Result<[f64; MOST_ROWS], ControllerError> {
-        let count = self.inertia.nrows();
-        check_length("the acceleration", acceleration.len(), count);
-        check_finite("the acceleration", acceleration)?;
-        let mut force = [0.0; MOST_ROWS];
-        for k in 0..count {
-            let push: f64 = (0..count).map(|j| self.inertia[(k, j)] * acceleration[j]).sum();
-            force[k] = push + self.bias_force[k];
-        }
-        Ok(force)
-    }
-
-    /// τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀ = τ₀ + Jᵀ(F − J̄ᵀτ₀).
-    fn with_null_torque(
-        &self,
-        mut force: [f64; MOST_ROWS],
-        posture: &[f64],
-        tau: &mut [f64],
-    ) -> Result<(), ControllerError> {
-        let nv = self.jacobian.ncols();
-        check_length("the posture's torque", posture.len(), nv);
-        check_length("tau", tau.len(), nv);
-        check_finite("the posture's torque", posture)?;
-        for (force, column) in force.iter_mut().zip(self.consistent_inverse.column_iter()) {
-            *force -= column.iter().zip(posture).map(|(j, tau)| j * tau).sum::<f64>();
-        }
-        tau.copy_from_slice(posture);
-        self.add_force(&force, tau)
-    }
-
-    /// τ ← τ + JᵀF.
-    fn add_force(&self, force: &[f64; MOST_ROWS], tau: &mut [f64]) -> Result<(), ControllerError> {
-        for (tau, column) in tau.iter_mut().zip(self.jacobian.column_iter()) {
-            *tau += column.iter().zip(force).map(|(j, f)| j * f).sum::<f64>();
-        }
-        Ok(check_result("the torque", &*tau)?)
     }
 }

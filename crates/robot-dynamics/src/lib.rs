@@ -189,12 +189,12 @@ pub mod simulation {
     };
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
-        Actuation, ActuationDerivatives, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
-        ControllerError, DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace, GravityAt,
-        GravityCompensatedPd, ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run,
-        RunError, RunFailure, Sample, SensorInputs, SensorMemory, SensorSet, StateTransition, StepError,
-        StepForces, StepInfo, StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque,
-        energy_account, record_step, step, step_stages, steps_in,
+        Actuation, ActuationDerivatives, ActuationWorkspace, AffineForces, CallbackError, ConstantTorque,
+        Controller, ControllerError, DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace,
+        GravityAt, GravityCompensatedPd, ImplicitGains, ImplicitIntegrator, IntoCallbackResult, Losses,
+        MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs, SensorMemory, SensorSet,
+        StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace, StepWorkspace, Stepper,
+        Trajectory, WithImplicitGains, ZeroTorque, energy_account, record_step, step, step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{
@@ -205,13 +205,14 @@ pub mod simulation {
 /// Inverse kinematics, operational-space control, LQR, time-optimal paths, identification of parameters.
 pub mod control {
     pub use robot_dynamics_control::{
-        BaseParameter, BaseParameters, Collocation, ComputedTorque, CubicSpline, Dlqr, DlqrError,
-        FrameTarget, IdentificationError, IdentificationResult, InverseKinematicsError,
-        InverseKinematicsOptions, InverseKinematicsSolution, LimitUtilization, LinkConsistency, MotionLimits,
+        Admittance, BaseParameter, BaseParameters, Collocation, ComputedTorque, ControlAllocation,
+        CubicSpline, Dlqr, DlqrError, EffortScales, FrameTarget, IdentificationError, IdentificationResult,
+        ImpedanceControl, ImpedanceGains, InverseKinematicsError, InverseKinematicsOptions,
+        InverseKinematicsSolution, LimitUtilization, LinkConsistency, MomentumObserver, MotionLimits,
         MotionRecord, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace,
-        ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl, TaskGains,
-        TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr, identification,
-        inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
+        ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl,
+        TaskDeviation, TaskGains, TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint,
+        dlqr, inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
         operational_space_into, optimal, path_coefficients, physical_consistency, pseudo_inertia,
         task_kinematics, time_optimal, whole_body,
     };

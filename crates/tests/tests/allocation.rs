@@ -17,7 +17,6 @@ use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
-use robot_dynamics::control::identification::PayloadEstimator;
 use robot_dynamics::control::optimal::{
     ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
     StateResidual,
@@ -29,13 +28,15 @@ use robot_dynamics::control::whole_body::{
     ContactGeometry, HeldContact, Objective, PdGains, WholeBodyControl,
 };
 use robot_dynamics::control::{
-    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, Reference,
-    TaskControl, TaskGains, TaskReference,
+    Admittance, ControlAllocation, ImpedanceControl, ImpedanceGains, MomentumObserver, OperationalSpace,
+    OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl, TaskGains,
+    TaskReference,
 };
 use robot_dynamics::derivatives::LinearizeStepWorkspace;
 use robot_dynamics::description::{
-    Base, JointDescription, JointKind, JointKinds, LinkDescription, LinkShape, MassProperties, Pose,
-    RandomRobotOptions, RobotDescription, SensorDescription, SensorKind, SensorObject, Shape, ShapeRole,
+    ActuatorDescription, Base, JointDescription, JointKind, JointKinds, LinkDescription, LinkShape,
+    MassProperties, Pose, RandomRobotOptions, RobotDescription, SensorDescription, SensorKind, SensorObject,
+    Shape, ShapeRole, Transmission,
 };
 use robot_dynamics::model::{FrameId, Model, RandomState, Workspace};
 use robot_dynamics::number::Dual;
@@ -560,7 +561,9 @@ fn controls_allocate_nothing() {
     let rest = [0.0; 3];
     let position = |_| TaskReference { position: [0.1, 0.2, 0.3], velocity: rest, acceleration: rest };
     let pose = |_| PoseReference::at_rest(Pose::from_translation([0.1, 0.2, 0.3]));
-    let mut controllers: [(&str, Box<dyn Controller>); 4] = [
+    let impedance = ImpedanceGains { stiffness: [100.0; 6], damping: [20.0; 6], null_damping: 1.0 };
+    let impedance = ImpedanceControl::new(&model, hand, pose, impedance).unwrap();
+    let mut controllers: [(&str, Box<dyn Controller>); 7] = [
         ("TaskControl of a position", Box::new(TaskControl::new(&model, hand, position, gains).unwrap())),
         (
             "TaskControl of a pose",
@@ -575,6 +578,23 @@ fn controls_allocate_nothing() {
             ),
         ),
         ("ConstantTorque", Box::new(ConstantTorque(vec![1.0; 7]))),
+        (
+            "TaskControl at effort limits",
+            Box::new(TaskControl::new(&model, hand, position, gains).unwrap().with_limits(&[1.0; 7])),
+        ),
+        (
+            "ImpedanceControl",
+            Box::new(impedance.with_inertia([2.0; 6], hand, |_| [1.0; 6]).unwrap().with_limits(&[1.0; 7])),
+        ),
+        (
+            "GravityCompensatedPd with implicit gains",
+            Box::new(
+                GravityCompensatedPd::new(&model, &q, &[1e6; 7], &[1e3; 7])
+                    .unwrap()
+                    .with_implicit_gains(1e-3)
+                    .unwrap(),
+            ),
+        ),
     ];
     for (name, controller) in &mut controllers {
         let mut done = Ok(());
@@ -582,6 +602,30 @@ fn controls_allocate_nothing() {
         assert_eq!(allocations(call), 0, "{name}");
         done.unwrap();
     }
+}
+
+/// The momentum observer, the admittance, and the controls of actuators.
+#[test]
+fn interaction_allocates_nothing() {
+    let (model, _) = arm();
+    let mut robot = model.description().clone();
+    for joint in model.joints().iter().filter(|joint| joint.nv == 1) {
+        let (name, gear) = (format!("{} motor", joint.name), 10.0);
+        robot.actuators.push(ActuatorDescription::new(name, Transmission::joint(&joint.name, gear)));
+        robot.actuators.last_mut().unwrap().control_range = [-0.5, 0.5];
+    }
+    let model = Model::new(robot).unwrap();
+    let (q, v, tau) = ([0.3; 7], [0.1; 7], [3.0; 7]);
+    let mut observer = MomentumObserver::new(&model, &[50.0; 7]).unwrap().with_dissipation();
+    observer.update(&q, &v, &tau, 1e-3).unwrap();
+    assert_eq!(allocations(|| drop(observer.update(&q, &v, &tau, 1e-3).map(|r| black_box(r[0])))), 0);
+    let mut lead = Admittance::new([1.0; 6], [1.0; 6], [1.0; 6]).unwrap();
+    let at_rest = PoseReference::at_rest(Pose::IDENTITY);
+    assert_eq!(allocations(|| drop(black_box(lead.step(&at_rest, &[1.0; 6], 1e-3)))), 0);
+    let mut allocation = ControlAllocation::new(&model).unwrap();
+    let mut controls = [0.0; 7];
+    allocation.controls(&q, &v, &tau, &mut controls).unwrap();
+    assert_eq!(allocations(|| drop(black_box(allocation.controls(&q, &v, &tau, &mut controls)))), 0);
 }
 
 /// The maps between a robot's coordinates and those of the robot with one joint locked.
@@ -1007,21 +1051,4 @@ fn whole_body_control_allocates_nothing() {
     });
     assert_eq!(requests, 0);
     assert!(active > 0, "limits are active");
-}
-
-/// A sample of the recursive estimate of a payload, and its results.
-#[test]
-fn payload_estimates_allocate_nothing() {
-    for Robot { model, state, .. } in &robots() {
-        let frame = model.frame(model.moving_links().last().unwrap()).unwrap();
-        let (noise, offsets) = (vec![0.1; model.nv()], vec![0.2; model.nv()]);
-        let estimator = PayloadEstimator::new(model, frame, &noise).unwrap();
-        let estimator = estimator.with_forgetting(0.99).unwrap();
-        let mut estimator = estimator.with_dissipation_and_offsets(&offsets).unwrap();
-        // Machine code is made at the first call.
-        estimator.push(&state.q, &state.v, &state.a, &state.tau).unwrap();
-        let mut call = || estimator.push(&state.q, &state.v, &state.a, &state.tau);
-        assert_eq!(allocations(&mut call), 0, "push");
-        assert_eq!(allocations(|| estimator.payload()), 0, "payload");
-    }
 }

@@ -3,8 +3,7 @@
 use robot_dynamics_core::factorization::cholesky;
 use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
 use robot_dynamics_simulation::ControllerError;
-
-use super::singular_mass::singular_mass;
+use robot_dynamics_simulation::motion::simulate::singular_mass;
 
 /// M divided into the actuated coordinates a and the unactuated coordinates u: 0 = M_uu a_u + M_ua a_a + h_u.
 ///

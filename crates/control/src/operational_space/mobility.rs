@@ -26,23 +26,26 @@ impl Mobility {
         Self { count, entries }
     }
 
-    /// Computes L and D, from the last row on. Returns the least pivot, relative to its row's own mobility.
+    /// The mobility of each row; 0 beyond the last.
+    pub(super) fn diagonal(&self) -> [f64; MOST_ROWS] {
+        core::array::from_fn(|k| self.entries[k][k])
+    }
+
+    /// Computes L and D, from the last row on.
     ///
     /// # Errors
     /// The row and the pivot that is not above `least` of its row's mobility, or not above its rounding.
-    pub(super) fn factor(&mut self, least: f64) -> Result<f64, (usize, f64)> {
+    pub(super) fn factor(&mut self, least: f64) -> Result<(), (usize, f64)> {
         let Self { count, entries: a } = self;
         let diagonal: [f64; MOST_ROWS] = core::array::from_fn(|k| a[k][k]);
         let largest = diagonal[..*count].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let least = least.max(f64::EPSILON * *count as f64);
-        let mut smallest = 1.0_f64;
         for k in (0..*count).rev() {
             let pivot = a[k][k];
             // Also true for NaN, and for a row that depends on the others to rounding.
             if !(pivot > (least * diagonal[k].abs()).max(ROUNDING * largest) && pivot.is_finite()) {
                 return Err((k, pivot));
             }
-            smallest = smallest.min(pivot / diagonal[k]);
             let row = a[k];
             for i in 0..k {
                 let ratio = row[i] / pivot;
@@ -52,26 +55,34 @@ impl Mobility {
                 a[k][i] = ratio;
             }
         }
-        Ok(smallest)
+        Ok(())
     }
 
-    /// [`factor`](Self::factor) with damping near a singular pose. If the least pivot is a fraction r <
-    /// `damping` of its row's mobility, the fraction `damping` − r of each row's mobility is added to it.
-    /// Otherwise nothing is added.
+    /// [`factor`](Self::factor) with damping near a singular pose. Let r be the least pivot relative to the
+    /// typical mobility of its row, or 0 for a pivot that is rounding. If r < `damping`, the fraction
+    /// `damping` − r of its typical mobility is added to each row's mobility. Returns whether it is damped.
     ///
     /// # Errors
-    /// The row and the pivot that is not above its rounding.
-    pub(super) fn factor_damped(&mut self, damping: f64) -> Result<(), (usize, f64)> {
+    /// As [`factor`](Self::factor), after damping.
+    pub(super) fn factor_damped(
+        &mut self,
+        damping: f64,
+        typical: &[f64; MOST_ROWS],
+    ) -> Result<bool, (usize, f64)> {
         let before = self.entries;
-        let smallest = self.factor(0.0)?;
-        if smallest < damping {
-            self.entries = before;
-            for k in 0..self.count {
-                self.entries[k][k] *= 1.0 + (damping - smallest);
-            }
-            self.factor(0.0)?;
+        let least = match self.factor(0.0) {
+            Ok(()) => (0..self.count).map(|k| self.entries[k][k] / typical[k]).fold(f64::INFINITY, f64::min),
+            Err(_) => 0.0,
+        };
+        if least >= damping {
+            return Ok(false);
         }
-        Ok(())
+        self.entries = before;
+        for k in 0..self.count {
+            self.entries[k][k] += (damping - least) * typical[k];
+        }
+        self.factor(0.0)?;
+        Ok(true)
     }
 
     /// Λ from the factor: Lᵀy = eⱼ from the last row on, L x = D⁻¹y from the first, then made symmetric.
@@ -137,7 +148,7 @@ mod tests {
         for (part, damping) in [(1e-9, 1e-3), (1e-4, 1e-3), (1e-2, 1e-3), (1e-9, 1e-6)] {
             let c = f64::sqrt(1.0 - part);
             let mut mobility = Mobility::new(2, |i, j| if i == j { 2.0 } else { 2.0 * c });
-            mobility.factor_damped(damping).unwrap();
+            mobility.factor_damped(damping, &[2.0; MOST_ROWS]).unwrap();
             let mut inverse = DMatrix::zeros(2, 2);
             mobility.invert(&mut inverse);
             let added = f64::max(damping - part, 0.0);
@@ -148,7 +159,16 @@ mod tests {
             assert!((one - DMatrix::identity(2, 2)).amax() < rounding, "{part} {damping}: {inverse}");
             assert!(inverse.amax() < 1.0 / f64::max(part, damping), "{part} {damping}: {inverse}");
         }
-        let error = Mobility::new(2, |_, _| 1.0).factor_damped(1e-3).unwrap_err();
-        assert_eq!(error, (0, 0.0));
+        // Two equal rows share their motion, and a row without mobility does not move.
+        for corner in [1.0, 0.0] {
+            let mut mobility = Mobility::new(2, |i, j| if i + j == 0 { 1.0 } else { corner });
+            assert!(mobility.factor_damped(1e-3, &[1.0; MOST_ROWS]).unwrap());
+            let mut inverse = DMatrix::zeros(2, 2);
+            mobility.invert(&mut inverse);
+            let determinant = 1.001 * (corner + 1e-3) - corner * corner;
+            assert!((inverse[(0, 0)] * determinant - corner - 1e-3).abs() < 1e-12);
+            assert!((inverse[(0, 1)] * determinant + corner).abs() < 1e-12);
+        }
+        assert!(Mobility::new(2, |_, _| f64::NAN).factor_damped(1e-3, &[1.0; MOST_ROWS]).is_err());
     }
 }

@@ -8,23 +8,37 @@ use robot_dynamics_simulation::{CallbackError, ControllerError, IntoCallbackResu
 
 use super::mobility::MOST_ROWS;
 
-/// A target that [`TaskControl`](super::TaskControl) can follow, and the directions that it controls.
+/// A target that [`TaskControl`](super::TaskControl) and [`ImpedanceControl`](super::ImpedanceControl) can
+/// follow, and the directions that it controls.
 pub trait TaskTarget {
     /// The directions that are controlled.
     const ROWS: &'static [SpatialAxis];
 
-    /// ẍ\* + kp e + kd (ẋ\* − ẋ) for each of [`ROWS`](Self::ROWS), at the frame's pose and world-aligned
-    /// velocity; further entries are 0.
+    /// The deviation of the frame, at its pose and world-aligned velocity, from the target.
     ///
     /// # Errors
     /// [`ControllerError`] if the target is missing or invalid.
-    fn acceleration(
-        self,
-        pose: &Pose,
-        velocity: &Twist,
-        stiffness: f64,
-        damping: f64,
-    ) -> Result<[f64; MOST_ROWS], ControllerError>;
+    fn deviation(self, pose: &Pose, velocity: &Twist) -> Result<TaskDeviation, ControllerError>;
+}
+
+/// The deviation of a frame from its target, along the world's axes. Entry k belongs to row k of the target;
+/// further entries are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TaskDeviation {
+    /// e = x\* − x \[m\], then the rotation vector log(R\* Rᵀ) \[rad\].
+    pub position: [f64; MOST_ROWS],
+    /// ẋ\* − ẋ \[m/s, rad/s\].
+    pub velocity: [f64; MOST_ROWS],
+    /// ẍ\* \[m/s², rad/s²\].
+    pub acceleration: [f64; MOST_ROWS],
+}
+
+impl TaskDeviation {
+    /// ẍ\* + kp e + kd (ẋ\* − ẋ), with kp \[1/s²\] and kd \[1/s\].
+    pub fn acceleration(&self, stiffness: f64, damping: f64) -> [f64; MOST_ROWS] {
+        let Self { position, velocity, acceleration } = self;
+        core::array::from_fn(|k| acceleration[k] + stiffness * position[k] + damping * velocity[k])
+    }
 }
 
 /// The target position of a frame's origin at a time, in the world; its orientation is free.
@@ -62,21 +76,18 @@ impl TaskTarget for TaskReference {
     const ROWS: &'static [SpatialAxis] = &[SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z];
 
     /// e = x\* − x.
-    fn acceleration(
-        self,
-        pose: &Pose,
-        velocity: &Twist,
-        stiffness: f64,
-        damping: f64,
-    ) -> Result<[f64; MOST_ROWS], ControllerError> {
+    fn deviation(self, pose: &Pose, velocity: &Twist) -> Result<TaskDeviation, ControllerError> {
         let Self { position, velocity: wanted, acceleration } = self;
         check_finite("the reference position", &position)?;
         check_finite("the reference velocity", &wanted)?;
         check_finite("the reference acceleration", &acceleration)?;
-        let error = core::array::from_fn(|k| position[k] - pose.translation[k]);
-        let mut command = [0.0; MOST_ROWS];
-        spring(&mut command[..3], acceleration, stiffness, error, damping, (wanted, velocity.linear));
-        Ok(command)
+        let mut deviation = TaskDeviation::default();
+        for k in 0..3 {
+            deviation.position[k] = position[k] - pose.translation[k];
+            deviation.velocity[k] = wanted[k] - velocity.linear[k];
+            deviation.acceleration[k] = acceleration[k];
+        }
+        Ok(deviation)
     }
 }
 
@@ -86,13 +97,7 @@ impl TaskTarget for PoseReference {
 
     /// e = (x\* − x, log(R\* Rᵀ)): the rotation vector, of length at most π and along the world's axes, that
     /// rotates the frame to its target. **(MLS eq. 2.14)**
-    fn acceleration(
-        self,
-        pose: &Pose,
-        velocity: &Twist,
-        stiffness: f64,
-        damping: f64,
-    ) -> Result<[f64; MOST_ROWS], ControllerError> {
+    fn deviation(self, pose: &Pose, velocity: &Twist) -> Result<TaskDeviation, ControllerError> {
         let Self { pose: wanted, velocity: Twist { linear, angular }, acceleration } = self;
         check_finite("the reference rotation", wanted.rotation.as_flattened())?;
         check_finite("the reference angular velocity", &angular)?;
@@ -106,11 +111,14 @@ impl TaskTarget for PoseReference {
             velocity: linear,
             acceleration: acceleration.linear,
         };
-        let mut command = position.acceleration(pose, velocity, stiffness, damping)?;
+        let mut deviation = position.deviation(pose, velocity)?;
         let turn = rotation_vector(&wanted.rotation, &pose.rotation);
-        let rates = (angular, velocity.angular);
-        spring(&mut command[3..], acceleration.angular, stiffness, turn, damping, rates);
-        Ok(command)
+        for k in 0..3 {
+            deviation.position[k + 3] = turn[k];
+            deviation.velocity[k + 3] = angular[k] - velocity.angular[k];
+            deviation.acceleration[k + 3] = acceleration.angular[k];
+        }
+        Ok(deviation)
     }
 }
 
@@ -118,29 +126,9 @@ impl TaskTarget for PoseReference {
 impl<T: TaskTarget, E: Into<Box<dyn std::error::Error + Send + Sync>>> TaskTarget for Result<T, E> {
     const ROWS: &'static [SpatialAxis] = T::ROWS;
 
-    fn acceleration(
-        self,
-        pose: &Pose,
-        velocity: &Twist,
-        stiffness: f64,
-        damping: f64,
-    ) -> Result<[f64; MOST_ROWS], ControllerError> {
+    fn deviation(self, pose: &Pose, velocity: &Twist) -> Result<TaskDeviation, ControllerError> {
         let target: Result<T, CallbackError> = self.outcome();
-        target?.acceleration(pose, velocity, stiffness, damping)
-    }
-}
-
-/// ẍ\* + kp e + kd (ẋ\* − ẋ).
-fn spring(
-    command: &mut [f64],
-    acceleration: [f64; 3],
-    stiffness: f64,
-    error: [f64; 3],
-    damping: f64,
-    (wanted, found): ([f64; 3], [f64; 3]),
-) {
-    for k in 0..3 {
-        command[k] = acceleration[k] + stiffness * error[k] + damping * (wanted[k] - found[k]);
+        target?.deviation(pose, velocity)
     }
 }
 

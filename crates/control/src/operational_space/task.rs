@@ -2,22 +2,15 @@
 
 use std::borrow::Borrow;
 
-use robot_dynamics_core::{
-    FrameId, Model, ReferenceFrame, check_configuration, difference, frame_pose, frame_velocity,
-    inverse_dynamics,
-};
-use robot_dynamics_description::check_length;
+use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_description::Pose;
 use robot_dynamics_number::check_number;
-use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_torque};
 use robot_dynamics_simulation::{Controller, ControllerError, SpatialAxis};
 
+use super::effort_limits::EffortScales;
+use super::frame_law::{FrameCommand, FrameLaw};
 use super::mobility::MOST_ROWS;
-use super::{
-    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, TaskTarget, operational_space_into,
-};
-
-/// A row is damped if its mobility independent of the others is below this fraction of its own.
-const DAMPING: f64 = 1e-3;
+use super::{TaskDeviation, TaskTarget};
 
 /// The gains of a frame's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,11 +34,18 @@ pub struct TaskGains {
 /// and [`with_posture`](Self::with_posture) pulls it to a posture q\*. Without a posture, an arm with more
 /// joints than the task has directions drifts, even with exact gravity compensation.
 ///
-/// Near a singular pose Λ is damped. Let r be the independent mobility of a row as a fraction of its own
-/// mobility (J M⁻¹Jᵀ)_kk. If r < 1e-3, the fraction (1e-3 − r) of each row's mobility is added to it. The
-/// frame then lags in that direction, and the torque for it stays within about 16 times that of a regular
-/// pose. Elsewhere Λ is exact. At a singular pose, where a row has no independent mobility, the controller
-/// returns an error, and a run ends.
+/// Near a singular pose Λ is damped. Let d be the typical mobility of a row, the mean of (J M⁻¹Jᵀ)_kk over
+/// random configurations, and r the least mobility of a row independent of the others, divided by its d. If
+/// r < 1e-3, (1e-3 − r) d is added to the mobility of each row. The frame then lags in that direction, and
+/// the torque for it stays bounded, also at the singular pose. Elsewhere Λ is exact.
+/// [`is_damped`](Self::is_damped) tells whether it was damped. If a row depends on the others at every pose,
+/// such as y of an arm in the plane of x and z, the controller returns an error, and a run ends.
+///
+/// The torque is within the effort limits of the joints, or those of [`with_limits`](Self::with_limits). If
+/// the command exceeds them, ẍ is scaled by the largest s₁ ≤ 1 that they allow beside the torque at ẍ = 0.
+/// The frame then keeps its direction. The acceleration in the null space is scaled to the rest of the
+/// effort. [`effort_scales`](Self::effort_scales) returns both fractions. A coordinate whose limit is
+/// exceeded at ẍ = 0 is clipped.
 ///
 /// It does not allocate. [`new`](TaskControl::new) borrows the robot; [`owning`](Self::owning) stores it, for
 /// example as an `Arc<Model>`.
@@ -71,20 +71,9 @@ pub struct TaskGains {
 #[derive(Clone, Debug)]
 pub struct TaskControl<M, F> {
     model: M,
-    frame: FrameId,
     reference: F,
-    /// The controlled rows, and the index of each among the rows of the target.
-    rows: Vec<SpatialAxis>,
-    places: Vec<usize>,
     gains: TaskGains,
-    /// q\* and kr.
-    posture: Option<(Vec<f64>, f64)>,
-    workspace: OperationalSpaceWorkspace,
-    space: OperationalSpace,
-    /// kr (q\* ⊖ q) − kn v.
-    rest_acceleration: Vec<f64>,
-    /// τ₀.
-    rest_torque: Vec<f64>,
+    law: FrameLaw,
 }
 
 impl<'a, F, T> TaskControl<&'a Model, F>
@@ -119,22 +108,8 @@ where
     pub fn owning(robot: M, frame: FrameId, reference: F, gains: TaskGains) -> Result<Self, ControllerError> {
         check_number("the stiffness", gains.stiffness)?;
         check_number("the damping", gains.damping)?;
-        check_number("the null damping", gains.null_damping)?;
-        let model: &Model = robot.borrow();
-        let nv = model.nv();
-        Ok(Self {
-            frame,
-            reference,
-            rows: T::ROWS.to_vec(),
-            places: (0..T::ROWS.len()).collect(),
-            gains,
-            posture: None,
-            workspace: OperationalSpaceWorkspace::of_actuated(model, DAMPING),
-            space: OperationalSpace::zeros(model, T::ROWS.len()),
-            rest_acceleration: vec![0.0; nv],
-            rest_torque: vec![0.0; nv],
-            model: robot,
-        })
+        let law = FrameLaw::new::<T>(robot.borrow(), frame, gains.null_damping)?;
+        Ok(Self { model: robot, reference, gains, law })
     }
 
     /// Controls only these of the target's rows, such as x and z for an arm that moves in a plane. The other
@@ -161,18 +136,47 @@ where
     #[must_use]
     #[track_caller]
     pub fn with_rows(mut self, rows: &[SpatialAxis]) -> Self {
-        assert!(!rows.is_empty(), "a task has at least one row");
-        let place = |(index, row): (usize, &SpatialAxis)| {
-            assert!(!rows[..index].contains(row), "the row `{}` is given twice", row.name());
-            T::ROWS.iter().position(|own| own == row).unwrap_or_else(|| {
-                let names: Vec<&str> = T::ROWS.iter().map(|row| row.name()).collect();
-                panic!("the row `{}` is not among {}, which the reference has", row.name(), names.join(", "))
-            })
-        };
-        self.places = rows.iter().enumerate().map(place).collect();
-        self.rows = rows.to_vec();
-        self.space = OperationalSpace::zeros(self.model.borrow(), rows.len());
+        self.law.select_rows::<T>(self.model.borrow(), rows);
         self
+    }
+
+    /// Replaces the joints' effort limits; nv entries \[N·m or N\], infinite without a limit.
+    ///
+    /// ```
+    /// use robot_dynamics::constraints::SpatialAxis;
+    /// use robot_dynamics::control::{TaskControl, TaskGains, TaskReference};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Controller;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let below = |_t| TaskReference { position: [0.0, 0.0, -0.5], velocity: [0.0; 3], acceleration: [0.0; 3] };
+    /// let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 0.0 };
+    /// let control = TaskControl::new(&model, model.frame_named("tip")?, below, gains)?;
+    /// let mut control = control.with_rows(&[SpatialAxis::Z]).with_limits(&[30.0]);
+    /// let mut tau = [0.0];
+    /// control.torque(0.0, &[0.0], &[0.0], &mut tau)?; // 50 N·m downwards would be needed, beside 9.81 N·m upwards
+    /// assert!((tau[0].abs() - 30.0).abs() < 1e-12);
+    /// assert!((control.effort_scales().task - (30.0 + 9.81) / 50.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// Panics if the length is wrong, or a limit is negative or NaN.
+    #[must_use]
+    #[track_caller]
+    pub fn with_limits(mut self, limits: &[f64]) -> Self {
+        self.law.limits.set(limits);
+        self
+    }
+
+    /// Whether Λ was damped in the last call, near a singular pose.
+    pub fn is_damped(&self) -> bool {
+        self.law.is_damped()
+    }
+
+    /// The fractions of the last command that the effort limits allowed.
+    pub fn effort_scales(&self) -> EffortScales {
+        self.law.limits.scales
     }
 
     /// Adds a spring to the posture q\* with kr \[1/s²\]; kn = 2 √kr is critically damped.
@@ -180,9 +184,7 @@ where
     /// # Errors
     /// [`ControllerError`] if q\* is an invalid configuration, or kr is not finite.
     pub fn with_posture(mut self, posture: &[f64], stiffness: f64) -> Result<Self, ControllerError> {
-        check_configuration(self.model.borrow(), posture)?;
-        check_number("the posture's stiffness", stiffness)?;
-        self.posture = Some((posture.to_vec(), stiffness));
+        self.law.set_posture(self.model.borrow(), posture, stiffness)?;
         Ok(self)
     }
 }
@@ -196,39 +198,11 @@ where
     /// # Panics
     /// Panics if τ has the wrong length, or the frame belongs to another model.
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
-        let Self { model, frame, gains, workspace, space, .. } = self;
-        let model: &Model = (*model).borrow();
-        let TaskGains { stiffness, damping, null_damping } = *gains;
-        check_length("tau", tau.len(), model.nv());
-        check_controller_input(model, t, q, v)?;
-        operational_space_into(
-            model,
-            workspace,
-            OperationalSpaceInputs { q, v, frame: *frame, rows: &self.rows },
-            space,
-        )?;
-        let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
-        let pose = frame_pose(model, dynamics, q, *frame);
-        let velocity = frame_velocity(model, dynamics, q, v, *frame, ReferenceFrame::LocalWorldAligned);
-        let command = (self.reference)(t).acceleration(&pose, &velocity, stiffness, damping)?;
-
-        let rest = &mut self.rest_acceleration[..];
-        match &self.posture {
-            Some((posture, _)) => difference(model, q, posture, rest),
-            None => rest.fill(0.0),
-        }
-        let spring = self.posture.as_ref().map_or(0.0, |(_, spring)| *spring);
-        rest.iter_mut().zip(v).for_each(|(rest, v)| *rest = spring * *rest - null_damping * v);
-        if let Some(part) = &scratch.part {
-            part.clear_unactuated(rest);
-        }
-        inverse_dynamics(model, dynamics, q, v, rest, &mut self.rest_torque);
-        if let Some(part) = &mut scratch.part {
-            part.reduce(&mut self.rest_torque);
-        }
-        check_torque(&self.rest_torque)?;
-        let mut chosen = [0.0; MOST_ROWS];
-        chosen.iter_mut().zip(&self.places).for_each(|(entry, &place)| *entry = command[place]);
-        space.torque_with_posture(&chosen[..self.rows.len()], &self.rest_torque, tau)
+        let Self { model, reference, gains, law } = self;
+        let command = |deviation: &TaskDeviation, _: &Pose| {
+            let acceleration = deviation.acceleration(gains.stiffness, gains.damping);
+            Ok(FrameCommand { acceleration, force: [0.0; MOST_ROWS] })
+        };
+        law.torque((*model).borrow(), (t, q, v), || reference(t), command, tau)
     }
 }

@@ -125,7 +125,8 @@ impl Objective {
                 let pose = frame_pose(model, workspace, q, *frame);
                 let velocity = frame_velocity(model, workspace, q, v, *frame, aligned);
                 check_gains(*gains)?;
-                let command = (*reference).acceleration(&pose, &velocity, gains.stiffness, gains.damping)?;
+                let command =
+                    (*reference).deviation(&pose, &velocity)?.acceleration(gains.stiffness, gains.damping);
                 write_frame(state, *frame, axes, command, (rows, right));
             }
             Self::FrameVelocity { frame, axes, velocity, acceleration, damping } => {

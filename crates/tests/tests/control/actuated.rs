@@ -118,7 +118,8 @@ fn frame_follows_without_torque_on_base() -> Tested {
         let still = TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
         let gains = TaskGains { stiffness: 40.0, damping: 9.0, null_damping: 3.0 };
         let mut control = TaskControl::new(model, hand, |_| still, gains)?
-            .with_posture(&random_state(model, random).q, 5.0)?;
+            .with_posture(&random_state(model, random).q, 5.0)?
+            .with_limits(&vec![f64::INFINITY; model.nv()]);
         let mut tau = vec![0.0; model.nv()];
         if control.torque(0.0, &state.q, &state.v, &mut tau).is_err() {
             continue; // the robot's joints cannot move this frame in three directions
@@ -128,7 +129,7 @@ fn frame_follows_without_torque_on_base() -> Tested {
             frame_acceleration(model, w, &state.q, &state.v, &a, hand, ReferenceFrame::LocalWorldAligned)
                 .linear;
         let size = largest(&a).max(largest(&tau));
-        if least_mobility(model, &state.q, hand) < 2e-3 {
+        if control.is_damped() || least_mobility(model, &state.q, hand) < 2e-3 {
             continue; // near a singular pose, where the law is damped
         }
         tested += 1;

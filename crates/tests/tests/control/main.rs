@@ -4,6 +4,8 @@
 mod common;
 
 mod actuated;
+mod control_allocation;
+mod interaction;
 mod inverse_kinematics;
 mod operational_space;
 mod optimal;

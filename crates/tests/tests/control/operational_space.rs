@@ -459,8 +459,9 @@ fn failed_task_ends_run() -> Tested {
     let pose = Pose { rotation: start.rotation, translation: start.translation };
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
     let rest = [0.0; 7];
-    // At the stretched arm the frame cannot move in the sixth direction.
-    let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?;
+    // Two joints do not move a frame in six directions.
+    let second = model.frame("link2").ok_or("no link")?;
+    let mut control = TaskControl::new(&model, second, |_| PoseReference::at_rest(pose), gains)?;
     let ran = run_of(&model, 1e-3).run_steps_from(
         &rest,
         &rest,
