@@ -227,6 +227,18 @@ OF_CALL = {
     ("_without_equality", "equality"): "str",
     ("_without_joint", "joint"): "str",
     ("ComputedTorque", "reference"): "ControlReference | Callable[[float], ControlReference]",
+    ("Admittance", "inertia"): "Numbers",
+    ("GravityCompensatedPd", "implicit_period"): "float | None",
+    ("ImpedanceControl", "inertia"): "Numbers | None",
+    ("ImpedanceControl", "limits"): "Numbers | None",
+    ("ImpedanceControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
+    ("ImpedanceControl", "sensor"): "str | int | None",
+    ("ImpedanceControl", "wrench"): "Numbers | Callable[[float], Numbers] | None",
+    ("ImplicitGains", "law"): "Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers]",
+    ("ImplicitGains", "period"): "float",
+    ("MomentumObserver", "thresholds"): "Numbers | None",
+    ("step", "reference"): "ControlReference",
+    ("TaskControl", "limits"): "Numbers | None",
     ("TaskControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "stiffness"): "float",
     ("TaskControl", "damping"): "float",
@@ -264,6 +276,9 @@ OF_CALL = {
 
 # Results that are not arrays of the arguments' type.
 RETURNS = {
+    "controls": "tuple[NDArray[np.float64], float]",
+    "reset": "None",
+    "update": "NDArray[np.float64]",
     "_state": "str",
     "_description": "str",
     "_add": "list[str]",
@@ -405,7 +420,16 @@ RETURNS = {
 }
 
 # Properties of classes that this script does not create. Those of a robot are inspected.
+# Results of methods whose name another class has, too.
+RETURNS_OF = {
+    ("Admittance", "step"): "tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]",
+    ("SimulationBatch", "_step"): "None",
+}
+
 PROPERTIES = {
+    "collision": "int | None",
+    "displacement": "NDArray[np.float64]",
+    "external_torque": "NDArray[np.float64]",
     "robot": "Robot",
     "nodes": "int",
     "controls": "list[int]",
@@ -520,7 +544,7 @@ def function(name: str) -> Iterator[str]:
 
 def method(owner: str, name: str, value: object) -> Iterator[str]:
     if name in RETURNS:
-        result = "None" if (owner, name) == ("SimulationBatch", "_step") else RETURNS[name]
+        result = RETURNS_OF.get((owner, name)) or RETURNS[name]
         yield f"    def {name}({arguments(value, 0)}) -> {result}:\n{quoted(value.__doc__, 2)}"
         return
     for number in ("_F", "np.float64"):

@@ -18,11 +18,16 @@ The names of Jacobians, velocities and wrenches end in the frame of their compon
 from __future__ import annotations
 
 from robot_dynamics._native import (
+    Admittance,
     BaseParameters,
     ComputedTorque,
     Constraints,
+    ControlAllocation,
     GravityCompensatedPd,
+    ImpedanceControl,
+    ImplicitGains,
     JointMap,
+    MomentumObserver,
     Snapshot,
     TaskControl,
     __version__,
@@ -85,6 +90,7 @@ from robot_dynamics.task_kinematics import KinematicStep, TaskKinematics, TaskSo
 
 __all__ = [
     "__version__",
+    "Admittance",
     "Audit",
     "BadSimulationsError",
     "BadStatesError",
@@ -96,6 +102,7 @@ __all__ = [
     "Constraints",
     "Contact",
     "ContactPoint",
+    "ControlAllocation",
     "ControlError",
     "Coupling",
     "DTypeError",
@@ -121,6 +128,8 @@ __all__ = [
     "HeightField",
     "IdentificationError",
     "IdentificationResult",
+    "ImpedanceControl",
+    "ImplicitGains",
     "InverseDynamicsDerivatives",
     "InverseDynamicsPullback",
     "InverseDynamicsPullbackWithParameters",
@@ -135,6 +144,7 @@ __all__ = [
     "LoadError",
     "LoadReport",
     "LoadWarning",
+    "MomentumObserver",
     "Motion",
     "MujocoState",
     "NoSlip",

@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'KinematicTasks', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -101,6 +101,70 @@ def set_num_threads(threads: int | None, /) -> None:
     1
     >>> rd.set_num_threads(None)
     """
+
+@final
+class Admittance:
+    """Moves a reference by a measured wrench: M ẍ + D ẋ + K x = f for its displacement x = (d, φ).
+
+    The commanded position is pʳ + d, and the commanded rotation exp(φ) Rʳ, along the world's axes. A
+    controller of the position follows it. Steps are exact for a wrench that is held. With K = 0 the frame can
+    be led by hand.
+
+    Parameters
+    ----------
+    inertia : array_like, shape (6,)
+        M along x, y, z, rx, ry, rz [kg, kg·m²].
+    damping : array_like, shape (6,)
+        D [N·s/m, N·m·s/rad].
+    stiffness : array_like, shape (6,)
+        K [N/m, N·m/rad].
+
+    Raises
+    ------
+    ShapeError
+        An array has the wrong shape.
+    ValueError
+        An inertia is not positive, or a damping or a stiffness is negative.
+
+    Examples
+    --------
+
+    >>> lead = rd.Admittance([2.0] * 6, [40.0] * 6, [0.0] * 6)
+    >>> for _ in range(1000):
+    ...     pose, velocity, acceleration = lead.step(np.eye(4), [8.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1e-3)
+    >>> float(velocity[0].round(9))  # 8 N against 40 N·s/m
+    0.2
+    """
+    def __new__(cls, inertia: Numbers, damping: Numbers, stiffness: Numbers) -> Self: ...
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacement (6,): d [m], then φ [rad]."""
+    def reset(self) -> None:
+        """Returns to the reference, at rest."""
+    def step(self, reference: ControlReference, wrench: Numbers, dt: float) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Advances the displacement, and returns the command at the end: a reference of `TaskControl`.
+
+        Parameters
+        ----------
+        reference : array_like, shape (4, 4), or tuple of three array_like
+            Pose in the world, alone or with velocity (6,) and acceleration (6,) along the world's axes.
+        wrench : array_like, shape (6,)
+            Force, then moment about the frame's origin, along the world's axes [N, N·m].
+        dt : float
+            Step [s].
+
+        Returns
+        -------
+        tuple of ndarray
+            Commanded pose (4, 4), velocity (6,) and acceleration (6,).
+
+        Raises
+        ------
+        ShapeError
+            An array has the wrong shape.
+        ValueError
+            A number is not finite, or `dt` is not positive.
+        """
 
 @final
 class BaseParameters:
@@ -212,6 +276,60 @@ class Constraints:
         """The names of the rows, for example `pin.x`."""
 
 @final
+class ControlAllocation:
+    """Controls of a robot's actuators whose joint torque is nearest to a given one.
+
+    It minimizes ‖R f + c − τ‖² with f = diag(g) u + o, within the bounds of f and u. Redundant actuators share
+    the torque with the least sum of squares of f. With τ = g(q) this is gravity compensation through gears,
+    tendons and frames.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot with actuators.
+
+    Raises
+    ------
+    ControlError
+        The force of an actuator is not an affine function of its control.
+
+    Examples
+    --------
+
+    >>> robot = rd.loads('''<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/>
+    ...   <geom size="0.1" pos="0.5 0 0" mass="2"/></body></worldbody>
+    ...   <actuator><motor joint="hinge" gear="50" ctrlrange="-1 1"/></actuator></mujoco>''')
+    >>> controls, residual = rd.ControlAllocation(robot).controls([0.0], [0.0], robot.gravity([0.0]))
+    >>> bool(np.isclose(controls[0] * 50.0, robot.gravity([0.0])[0])), residual < 1e-9
+    (True, True)
+    """
+    def __new__(cls, robot: Robot) -> Self: ...
+    def controls(self, q: Numbers, v: Numbers, tau: Numbers) -> tuple[NDArray[np.float64], float]:
+        """Controls for a torque at a state.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Configuration.
+        v : array_like, shape (nv,)
+            Velocity.
+        tau : array_like, shape (nv,)
+            Torque [N·m or N].
+
+        Returns
+        -------
+        tuple of ndarray and float
+            Controls, one for each actuator, and the largest difference between a coordinate's torque and τ.
+
+        Raises
+        ------
+        ShapeError
+            An array has the wrong shape.
+        StateError
+            A number is not finite, or q is not a configuration.
+        """
+
+@final
 class GravityCompensatedPd:
     """Holds a pose: τ = g + Kp (qʳ ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
 
@@ -232,6 +350,9 @@ class GravityCompensatedPd:
         Largest torques [N·m or N]; default: the effort limits of the robot.
     gravity_at : {"target", "state"}
         Configuration at which g is computed: `target`, or that of the robot.
+    implicit_period : float, optional
+        How long each torque is held [s]. The gains then act at the end of that time, and the law is stable at
+        any stiffness: see `ImplicitGains`.
 
     Raises
     ------
@@ -239,6 +360,8 @@ class GravityCompensatedPd:
         A number is not finite, or `target` is not a configuration.
     ShapeError
         An array has the wrong shape.
+    ControlError
+        `implicit_period` is not positive, or a gain is negative with it.
     ValueError
         A limit is negative, or `gravity_at` is unknown.
 
@@ -252,7 +375,128 @@ class GravityCompensatedPd:
     True
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
-    def __new__(cls, robot: Robot, target: Numbers, stiffness: Numbers, damping: Numbers, *, limits: Numbers | None = None, gravity_at: str = 'target') -> Self: ...
+    def __new__(cls, robot: Robot, target: Numbers, stiffness: Numbers, damping: Numbers, *, limits: Numbers | None = None, gravity_at: str = 'target', implicit_period: float | None = None) -> Self: ...
+
+@final
+class ImpedanceControl:
+    """Makes a frame answer a wrench f as a damped spring: Λ (ẍ − ẍʳ) = D ė + K e + f with e = xʳ ⊖ x.
+
+    τ = Jᵀ(Λ ẍʳ + D ė + K e + μ + p) + (1 − JᵀJ̄ᵀ) τ₀. The frame keeps its own inertia Λ, and f is not
+    measured. With `inertia`, M_d (ẍ − ẍʳ) = D ė + K e + f for a constant diagonal M_d; that needs the
+    measured `wrench`. Gains are along the world's axes x, y, z, rx, ry, rz. Null space, rows, damping near
+    singular poses and effort limits are those of `TaskControl`. The controller is a function of (t, q, v); in
+    `simulate` it runs in the library.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    frame : str or int
+        Name of the frame, or its index in `frame_names`.
+    reference : array_like, tuple of three array_like, or function
+        Target of the frame, as for `TaskControl`.
+    stiffness : array_like, shape (6,)
+        K [N/m, N·m/rad].
+    damping : array_like, shape (6,)
+        D [N·s/m, N·m·s/rad].
+    null_damping : float
+        kn, damping in the null space [1/s].
+    inertia : array_like, shape (6,), optional
+        M_d [kg, kg·m²]; default: the frame's own Λ.
+    wrench : array_like, shape (6,), or function, optional
+        Force and moment that the environment exerts at the sensor, along the sensor's axes [N, N·m]. A
+        function of t [s] returns them. It is needed with `inertia`.
+    sensor : str or int, optional
+        Frame of the sensor, on the link of `frame`; default: `frame`.
+    rows : sequence of str, optional
+        Controlled directions, as for `TaskControl`.
+    posture : array_like, shape (nq,), optional
+        Configuration qʳ to which the null space is pulled.
+    posture_stiffness : float
+        kr [1/s²].
+    limits : array_like, shape (nv,), optional
+        Largest torques [N·m or N]; default: the effort limits of the robot.
+
+    Raises
+    ------
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+    StateError
+        `posture` is not a configuration.
+    ControlError
+        A gain is invalid, or the sensor is on another link.
+    ValueError
+        A row is unknown, given twice, or a turn of a reference without orientation; a limit is negative; or
+        only one of `inertia` and `wrench` is given.
+
+    Examples
+    --------
+
+    >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+    >>> here = robot.frame_pose(q, "panda_link8")
+    >>> soft = rd.ImpedanceControl(robot, "panda_link8", here, stiffness=[400, 400, 400, 30, 30, 30],
+    ...                            damping=[40, 40, 40, 3, 3, 3], null_damping=5.0)
+    >>> sim = rd.Simulation(robot, dt=1e-3)
+    >>> sim.reset(q)
+    >>> sim.apply_wrench("panda_link8", force=(0.0, 8.0, 0.0))
+    >>> for _ in range(3000):
+    ...     sim.torques = soft(sim.time, sim.q, sim.v)
+    ...     sim.step()
+    >>> bool(abs((robot.frame_pose(sim.q, "panda_link8") - here)[1, 3] - 8.0 / 400.0) < 2e-3)  # f / K
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, frame: str | int, reference: ControlReference | Callable[[float], ControlReference], *, stiffness: Numbers, damping: Numbers, null_damping: float = 0.0, inertia: Numbers | None = None, wrench: Numbers | Callable[[float], Numbers] | None = None, sensor: str | int | None = None, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0, limits: Numbers | None = None) -> Self: ...
+
+@final
+class ImplicitGains:
+    """Makes a law of one's own stable at any stiffness: its gains act at the end of the control period.
+
+    With τ₀ of the law at (q, v) and its gains K = −∂τ/∂q and D = −∂τ/∂v, τ = τ₀ − K h (v + h a) − D h a, where
+    (M + h D + h² K) a = τ₀ − C v − g − h K v. A robot that is held by τ for h moves as under the linearly
+    implicit Euler method. (Tan, Liu, Turk 2011) The controller is a function of (t, q, v), for `simulate` and
+    for steps of `Simulation`.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    law : function or controller
+        Function of (t, q, v) that returns τ₀ (nv,), not clipped; or a controller of this package.
+    stiffness : array_like, shape (nv,)
+        K [N·m/rad or N/m].
+    damping : array_like, shape (nv,)
+        D [N·m·s/rad or N·s/m].
+    period : float
+        h, how long each torque is held [s].
+    limits : array_like, shape (nv,), optional
+        Largest torques [N·m or N]; default: the effort limits of the robot.
+
+    Raises
+    ------
+    ShapeError
+        An array has the wrong shape.
+    StateError
+        A number is not finite.
+    ControlError
+        A gain is negative, or `period` is not positive.
+    ValueError
+        A limit is negative.
+
+    Examples
+    --------
+
+    >>> robot, home = rd.example("panda"), np.array([0.0, -0.4, 0.0, -2.2, 0.0, 1.9, 0.8])
+    >>> kp, kd = np.full(7, 1e6), np.full(7, 10.0)
+    >>> law = rd.ImplicitGains(robot, lambda t, q, v: kp * (home - q) - kd * v, kp, kd, 1e-3)
+    >>> motion = robot.simulate(home + 0.01, tau=law, duration=1.0, dt=1e-3)
+    >>> bool(np.abs(motion.q[-1] - home).max() < 1e-4)
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, law: Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers], stiffness: Numbers, damping: Numbers, period: float, *, limits: Numbers | None = None) -> Self: ...
 
 @final
 class JointMap:
@@ -397,6 +641,93 @@ class KinematicTasks:
         """See `set_target`."""
     def _set_weight(self, task: int, weight: float) -> None:
         """See `set_weight`."""
+
+@final
+class MomentumObserver:
+    """Estimates the external torque of a robot, such as that of a collision, without accelerations.
+
+    ṙ = K (τ_ext − r), where τ_ext = ṗ − Ṁ v + C v + g − τ and p = M v: r is τ_ext through a filter of first
+    order with the time constant 1/K. Friction of the joints (without `dissipation`), contacts, closed loops
+    and errors of the masses belong to τ_ext. The wrench at a frame is
+    `robot.operational_space(q, v, frame, rows).consistent_inverse.T @ r`. (De Luca, Mattone 2005)
+
+    Parameters
+    ----------
+    robot : Robot
+        Observed robot.
+    gains : array_like, shape (nv,)
+        K [1/s].
+    thresholds : array_like, shape (nv,), optional
+        |r| above which a coordinate counts as in collision [N·m or N].
+    dissipation : bool
+        Whether damping and friction of the model's joints are known.
+
+    Raises
+    ------
+    ShapeError
+        An array has the wrong shape.
+    StateError
+        A gain is not finite.
+    ControlError
+        A gain is not positive, or a threshold is negative.
+
+    Examples
+    --------
+
+    >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+    >>> observer = rd.MomentumObserver(robot, np.full(7, 100.0), thresholds=np.full(7, 2.0))
+    >>> hold = rd.GravityCompensatedPd(robot, q, np.full(7, 400.0), np.full(7, 40.0), gravity_at="state")
+    >>> sim = rd.Simulation(robot, dt=1e-3, without=["dissipation"])
+    >>> sim.reset(q)
+    >>> for step in range(400):
+    ...     if step == 200:
+    ...         sim.apply_wrench("panda_link8", force=(0.0, 30.0, 0.0))
+    ...     sim.torques = tau = hold(sim.time, sim.q, sim.v)
+    ...     sim.step()
+    ...     r = observer.update(sim.q, sim.v, tau, 1e-3)
+    >>> observer.collision is not None
+    True
+    >>> space = robot.operational_space(sim.q, sim.v, "panda_link8", ("x", "y", "z"))
+    >>> bool(np.allclose(space.consistent_inverse.T @ r, [0.0, 30.0, 0.0], atol=1.0))
+    True
+    """
+    def __new__(cls, robot: Robot, gains: Numbers, *, thresholds: Numbers | None = None, dissipation: bool = False) -> Self: ...
+    @property
+    def collision(self) -> int | None:
+        """Coordinate with the largest |r| relative to its threshold, if it is above it."""
+    @property
+    def external_torque(self) -> NDArray[np.float64]:
+        """r (nv,) after the last sample [N·m or N]."""
+    def reset(self) -> None:
+        """Sets r = 0 and forgets the last sample."""
+    def update(self, q: Numbers, v: Numbers, tau: Numbers, dt: float) -> NDArray[np.float64]:
+        """Takes a sample, and returns r. The first sample only stores the state.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Configuration at this sample.
+        v : array_like, shape (nv,)
+            Velocity at this sample.
+        tau : array_like, shape (nv,)
+            Torque of the motors since the last sample [N·m or N].
+        dt : float
+            Time since the last sample [s].
+
+        Returns
+        -------
+        ndarray, shape (nv,)
+            r [N·m or N].
+
+        Raises
+        ------
+        ShapeError
+            An array has the wrong shape.
+        StateError
+            A number is not finite, or q is not a configuration.
+        ControlError
+            `dt` is not positive, or a result overflows.
+        """
 
 @final
 class OptimalMpc:
@@ -3475,8 +3806,9 @@ class TaskControl:
     In the null space, which leaves the frame at rest, τ₀ = C v + g + M (kr (qʳ ⊖ q) − kn v). Coordinates
     without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base recoils, and
     the frame follows in spite of it while nothing else touches the robot. The controller is a function of
-    (t, q, v); in `simulate` it runs in the library. A call raises `ControlError` where the frame cannot
-    accelerate in every chosen direction.
+    (t, q, v); in `simulate` it runs in the library. Near a singular pose Λ is damped. A call raises
+    `ControlError` if a chosen direction depends on the others at every pose. A command beyond the effort
+    limits is scaled: the frame keeps its direction, and the null space has the rest of the effort.
 
     Parameters
     ----------
@@ -3501,6 +3833,8 @@ class TaskControl:
         Configuration qʳ to which the null space is pulled.
     posture_stiffness : float
         kr [1/s²].
+    limits : array_like, shape (nv,), optional
+        Largest torques [N·m or N]; default: the effort limits of the robot.
 
     Raises
     ------
@@ -3513,7 +3847,7 @@ class TaskControl:
     ControlError
         A gain is invalid.
     ValueError
-        A row is unknown, given twice, or a turn of a reference without orientation.
+        A row is unknown, given twice, or a turn of a reference without orientation; or a limit is negative.
 
     Examples
     --------
@@ -3526,7 +3860,7 @@ class TaskControl:
     True
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
-    def __new__(cls, robot: Robot, frame: str | int, reference: ControlReference | Callable[[float], ControlReference], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...
+    def __new__(cls, robot: Robot, frame: str | int, reference: ControlReference | Callable[[float], ControlReference], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0, limits: Numbers | None = None) -> Self: ...
 
 @disjoint_base
 class WholeBody:

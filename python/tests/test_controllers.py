@@ -202,3 +202,103 @@ robot.simulate(robot.neutral(), duration=1e4, dt=1e3, integrator="adaptive", tol
 """
     )
     assert "KeyboardInterrupt" in errors and seconds < 10.0
+
+
+def tool_motion(robot: rd.Robot, q: Any, v: Any, tau: Any, wrench: Any) -> Any:
+    """Acceleration of the hand along the world's axes, under a torque and a wrench along the hand's axes."""
+    jacobian = robot.frame_jacobian(q, HAND, reference_frame="local")
+    a = robot.forward_dynamics(q, v, tau + jacobian.T @ wrench)
+    return robot.frame_acceleration(q, v, a, HAND, reference_frame="local_world_aligned")
+
+
+def test_impedance_answers_a_wrench(panda: rd.Robot) -> None:
+    v, free = np.zeros(7), np.full(7, np.inf)
+    pose = panda.frame_pose(Q, HAND)
+    inertia, wrench = np.array([4.0, 5.0, 6.0, 0.3, 0.4, 0.5]), np.array([3.0, -2.0, 5.0, 0.2, 0.1, -0.3])
+    turn = np.kron(np.eye(2), pose[:3, :3])
+    how: dict[str, Any] = {"stiffness": np.full(6, 100.0), "damping": np.full(6, 10.0), "limits": free}
+    soft = rd.ImpedanceControl(panda, HAND, pose, **how, inertia=inertia, wrench=lambda t: wrench)
+    assert_allclose(tool_motion(panda, Q, v, soft(0.0, Q, v), wrench), turn @ wrench / inertia, atol=1e-8)
+    own = rd.ImpedanceControl(panda, HAND, pose, **how)
+    space = panda.operational_space(Q, v, HAND, ("x", "y", "z", "rx", "ry", "rz"))
+    moved = tool_motion(panda, Q, v, own(0.0, Q, v), wrench)
+    assert_allclose(space.inertia @ moved, turn @ wrench, atol=1e-8)
+    with pytest.raises(ValueError, match="belong together"):
+        rd.ImpedanceControl(panda, HAND, pose, **how, inertia=inertia)
+    with pytest.raises(rd.ControlError, match="panda_link3"):
+        rd.ImpedanceControl(panda, HAND, pose, **how, inertia=inertia, wrench=wrench, sensor="panda_link3")
+
+
+def test_commands_are_scaled_to_effort_limits(panda: rd.Robot) -> None:
+    v, pose = np.zeros(7), panda.frame_pose(Q, HAND)
+    far = pose[:3, 3] + [0.1, 0.4, 0.2]
+    gains: dict[str, Any] = {"stiffness": 400.0, "damping": 40.0}
+    limits = np.abs(panda.gravity(Q)) + 8.0
+    whole = rd.TaskControl(panda, HAND, far, **gains, limits=np.full(7, np.inf))(0.0, Q, v)
+    scaled = rd.TaskControl(panda, HAND, far, **gains, limits=limits)(0.0, Q, v)
+    assert (np.abs(whole) > limits).any() and (np.abs(scaled) <= limits).all()
+    wanted, found = (tool_motion(panda, Q, v, tau, np.zeros(6))[:3] for tau in (whole, scaled))
+    assert_allclose(np.cross(wanted, found), 0.0, atol=1e-7)
+    assert 0.0 < np.linalg.norm(found) < np.linalg.norm(wanted)
+    with pytest.raises(ValueError, match="must not be negative"):
+        rd.TaskControl(panda, HAND, far, **gains, limits=-limits)
+
+
+def test_implicit_gains_are_those_of_the_library(panda: rd.Robot) -> None:
+    kp, kd, free = np.full(7, 1e7), np.full(7, 100.0), np.full(7, np.inf)
+    weight = panda.gravity(Q)
+    of_library = rd.GravityCompensatedPd(panda, Q, kp, kd, limits=free, implicit_period=1e-3)
+    q, v = Q + 0.01, np.full(7, 0.1)
+    own = rd.ImplicitGains(panda, lambda t, q, v: weight + kp * (Q - q) - kd * v, kp, kd, 1e-3, limits=free)
+    explicit = rd.GravityCompensatedPd(panda, Q, kp, kd, limits=free)
+    wrapped = rd.ImplicitGains(panda, explicit, kp, kd, 1e-3, limits=free)
+    assert_allclose(own(0.0, q, v), of_library(0.0, q, v), rtol=1e-9)
+    assert np.array_equal(wrapped(0.0, q, v), of_library(0.0, q, v))
+    held = panda.simulate(q, tau=of_library, duration=0.2, dt=1e-3, integrator="rk4", without=["effort_limits", "limits"])
+    assert np.abs(held.q[-1] - Q).max() < 1e-4
+    with pytest.raises(rd.ControlError, match="period"):
+        rd.GravityCompensatedPd(panda, Q, kp, kd, implicit_period=0.0)
+
+
+def test_momentum_observer_and_admittance(panda: rd.Robot) -> None:
+    observer = rd.MomentumObserver(panda, np.full(7, 50.0), thresholds=np.full(7, 1.0))
+    push = np.array([0.0, 5.0, 0.0, -2.0, 0.0, 0.0, 0.3])
+    for _ in range(400):  # The arm stands still with this push in its joints, and motors that hold the rest.
+        r = observer.update(Q, np.zeros(7), panda.gravity(Q) - push, 1e-3)
+    assert_allclose(r, push * -np.expm1(-50.0 * 0.399), atol=1e-11)
+    assert observer.collision == 1 and np.array_equal(observer.external_torque, r)
+    observer.reset()
+    assert observer.collision is None
+    with pytest.raises(rd.ControlError, match="time"):
+        observer.update(Q, np.zeros(7), np.zeros(7), 0.0)
+
+    lead = rd.Admittance(np.full(6, 2.0), np.full(6, 8.0), np.full(6, 50.0))
+    for _ in range(5000):
+        pose, velocity, _ = lead.step(panda.frame_pose(Q, HAND), [5.0, 0.0, 0.0, 0.0, 0.0, 2.5], 1e-3)
+    assert_allclose(lead.displacement, [0.1, 0.0, 0.0, 0.0, 0.0, 0.05], atol=1e-4)
+    assert_allclose(pose[:3, 3] - panda.frame_pose(Q, HAND)[:3, 3], lead.displacement[:3], atol=1e-12)
+    assert np.abs(velocity).max() < 1e-3
+    with pytest.raises(ValueError, match="inertia"):
+        rd.Admittance(np.zeros(6), np.zeros(6), np.zeros(6))
+
+
+def test_controls_of_actuators_give_a_torque() -> None:
+    robot = rd.loads(
+        """<mujoco><worldbody>
+        <body><joint name="shoulder" axis="0 1 0"/><geom size="0.1" pos="0.5 0 0" mass="2"/>
+        <body pos="1 0 0"><joint name="elbow" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0" mass="1"/>
+        </body></body></worldbody>
+        <tendon><fixed name="cable"><joint joint="shoulder" coef="1"/>
+        <joint joint="elbow" coef="-0.5"/></fixed></tendon>
+        <actuator><position joint="shoulder" kp="40" kv="2"/><motor tendon="cable" gear="-3"/></actuator>
+        </mujoco>"""
+    )
+    q, v, tau = np.array([0.3, -0.4]), np.array([0.1, 0.2]), np.array([7.0, -2.0])
+    controls, residual = rd.ControlAllocation(robot).controls(q, v, tau)
+    assert residual < 1e-9
+    sim = rd.Simulation(robot, dt=1e-9)
+    sim.reset(q, v)
+    sim.controls = controls
+    sim.step()
+    a = (sim.v - v) / 1e-9
+    assert_allclose(a, robot.forward_dynamics(q, v, tau), rtol=1e-5)

@@ -108,10 +108,11 @@ def documented_parameters(section: str) -> list[str]:
 
 
 def functions_without_result() -> set[str]:
-    """The functions written in Rust that return nothing."""
+    """The functions written in Rust that return nothing, by qualified name."""
     tree = ast.parse((Path(rd._native.__file__).parent / "_native.pyi").read_text(encoding="utf-8"))
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    return {node.name for node in functions if isinstance(node.returns, ast.Constant) and node.returns.value is None}
+    owned = [("", tree.body), *((f"{node.name}.", node.body) for node in tree.body if isinstance(node, ast.ClassDef))]
+    functions = [(f"{owner}{node.name}", node) for owner, body in owned for node in body if isinstance(node, ast.FunctionDef)]
+    return {name for name, node in functions if isinstance(node.returns, ast.Constant) and node.returns.value is None}
 
 
 RETURN_NOTHING = functions_without_result()
@@ -122,7 +123,7 @@ def returns_something(name: str, value: Any, found: inspect.Signature) -> bool:
         return False
     if inspect.isfunction(value) or inspect.ismethod(value):
         return found.return_annotation not in (None, "None")
-    return name.rpartition(".")[2] not in RETURN_NOTHING
+    return value.__qualname__ not in RETURN_NOTHING
 
 
 def test_functions_of_both_languages_are_documented() -> None:

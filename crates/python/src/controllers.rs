@@ -2,6 +2,9 @@
 //! function.
 
 mod computed_torque;
+mod frame_task;
+mod impedance;
+mod implicit_gains;
 mod law;
 mod pd;
 mod task;
@@ -13,7 +16,10 @@ use self::law::Controls;
 use crate::robot::Robot;
 
 pub(crate) use self::computed_torque::ComputedTorque;
-pub(crate) use self::law::Law;
+pub(crate) use self::frame_task::pose_reference;
+pub(crate) use self::impedance::ImpedanceControl;
+pub(crate) use self::implicit_gains::ImplicitGains;
+pub(crate) use self::law::{CalledLaw, Law};
 pub(crate) use self::pd::GravityCompensatedPd;
 pub(crate) use self::task::TaskControl;
 pub(crate) use self::whole_body::WholeBody;
@@ -32,6 +38,16 @@ pub(crate) fn law_of<'a>(
     }
     if let Ok(controls) = object.cast::<TaskControl>() {
         return controls.get().law(py, robot).map(Some);
+    }
+    if let Ok(controls) = object.cast::<ImpedanceControl>() {
+        return controls.get().law(py, robot).map(Some);
+    }
+    if let Ok(controls) = object.cast::<ImplicitGains>() {
+        let gains = controls.get();
+        return match law_of(py, robot, gains.inner(py))? {
+            Some(inner) => gains.around(inner, robot).map(Some),
+            None => gains.law(py, robot).map(Some),
+        };
     }
     if let Ok(controls) = object.cast::<WholeBody>() {
         return controls.get().law(py, robot).map(Some);

@@ -57,6 +57,7 @@ mod edits;
 mod files;
 mod fluid;
 mod identification;
+mod interaction;
 mod linearization;
 mod numbers;
 mod optimal;
@@ -94,7 +95,9 @@ mod native {
     #[pymodule_export]
     use super::control::dlqr;
     #[pymodule_export]
-    use super::controllers::{ComputedTorque, GravityCompensatedPd, TaskControl, WholeBody};
+    use super::controllers::{
+        ComputedTorque, GravityCompensatedPd, ImpedanceControl, ImplicitGains, TaskControl, WholeBody,
+    };
     #[pymodule_export]
     use super::defaults::_defaults;
     #[pymodule_export]
@@ -103,6 +106,8 @@ mod native {
     use super::files::{_html, _random_robot, _visible, _write_text};
     #[pymodule_export]
     use super::identification::BaseParameters;
+    #[pymodule_export]
+    use super::interaction::{Admittance, ControlAllocation, MomentumObserver};
     #[pymodule_export]
     use super::optimal::mpc::OptimalMpc;
     #[pymodule_export]

@@ -2,10 +2,10 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use robot_dynamics::simulation::Controller;
+use robot_dynamics::simulation::{CallbackError, Controller, ControllerError};
 
 use crate::errors::{Class, exception};
-use crate::numbers::{array, configuration, vector};
+use crate::numbers::{array, configuration, shaped, vector};
 use crate::robot::Robot;
 
 /// A law that a simulation runs.
@@ -19,6 +19,25 @@ pub(crate) struct Law<'a> {
 pub(crate) trait Controls {
     /// The law for this robot; an error if the controller was made for another.
     fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>>;
+}
+
+/// A Python function of (t, q, v) that returns τ.
+pub(crate) struct CalledLaw {
+    pub(crate) function: Py<PyAny>,
+    pub(crate) nv: usize,
+}
+
+impl Controller for CalledLaw {
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        Python::attach(|py| {
+            let given = (t, array(py, q)?, array(py, v)?);
+            let found = self.function.bind(py).call1(given)?;
+            let (_, numbers) = shaped(py, "the controller's torque", &found, &[self.nv])?;
+            tau.copy_from_slice(&numbers);
+            PyResult::Ok(())
+        })
+        .map_err(|error| ControllerError::Callback(CallbackError::new(error)))
+    }
 }
 
 /// Refuses a robot that the law was not made for.
@@ -51,8 +70,8 @@ pub(super) fn torque<'py>(
 }
 
 /// The exception that Python raised in a law's reference.
-fn raised(py: Python<'_>, error: &robot_dynamics::simulation::ControllerError) -> Option<PyErr> {
-    let robot_dynamics::simulation::ControllerError::Callback(callback) = error else { return None };
+fn raised(py: Python<'_>, error: &ControllerError) -> Option<PyErr> {
+    let ControllerError::Callback(callback) = error else { return None };
     callback.downcast_ref::<PyErr>().map(|own| own.clone_ref(py))
 }
 

@@ -4,9 +4,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::simulation::{ControllerError, GravityAt};
 
+use super::frame_task::effort_limits;
 use super::law::{Controls, Law, check_own, torque};
 use crate::errors::exception_of;
-use crate::numbers::{configuration, shaped, vector};
+use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
 /// Holds a pose: τ = g + Kp (qʳ ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
@@ -28,6 +29,9 @@ use crate::robot::Robot;
 ///     Largest torques [N·m or N]; default: the effort limits of the robot.
 /// gravity_at : {"target", "state"}
 ///     Configuration at which g is computed: `target`, or that of the robot.
+/// implicit_period : float, optional
+///     How long each torque is held [s]. The gains then act at the end of that time, and the law is stable at
+///     any stiffness: see `ImplicitGains`.
 ///
 /// Raises
 /// ------
@@ -35,6 +39,8 @@ use crate::robot::Robot;
 ///     A number is not finite, or `target` is not a configuration.
 /// ShapeError
 ///     An array has the wrong shape.
+/// ControlError
+///     `implicit_period` is not positive, or a gain is negative with it.
 /// ValueError
 ///     A limit is negative, or `gravity_at` is unknown.
 ///
@@ -55,12 +61,13 @@ pub(crate) struct GravityCompensatedPd {
     damping: Vec<f64>,
     limits: Option<Vec<f64>>,
     gravity_at: GravityAt,
+    implicit_period: Option<f64>,
 }
 
 #[pymethods]
 impl GravityCompensatedPd {
     #[new]
-    #[pyo3(signature = (robot, target, stiffness, damping, *, limits=None, gravity_at="target"))]
+    #[pyo3(signature = (robot, target, stiffness, damping, *, limits=None, gravity_at="target", implicit_period=None))]
     fn new(
         py: Python<'_>,
         robot: &Bound<'_, Robot>,
@@ -69,21 +76,11 @@ impl GravityCompensatedPd {
         damping: &Bound<'_, PyAny>,
         limits: Option<&Bound<'_, PyAny>>,
         gravity_at: &str,
+        implicit_period: Option<f64>,
     ) -> PyResult<Self> {
         let own = robot.get();
-        let limits = match limits {
-            None => None,
-            Some(limits) => {
-                let (_, limits) = shaped(py, "limits", limits, &[own.model.nv()])?;
-                if let Some(bad) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
-                    return Err(PyValueError::new_err(format!(
-                        "a limit of effort is {bad}; it must not be negative"
-                    )));
-                }
-                Some(limits)
-            }
-        };
-        Ok(Self {
+        let limits = limits.map(|limits| effort_limits(py, own, limits)).transpose()?;
+        let control = Self {
             target: configuration(py, own, target)?,
             stiffness: vector(py, own, "stiffness", stiffness)?,
             damping: vector(py, own, "damping", damping)?,
@@ -97,8 +94,11 @@ impl GravityCompensatedPd {
                     )));
                 }
             },
+            implicit_period,
             robot: robot.clone().unbind(),
-        })
+        };
+        control.law(py, own)?;
+        Ok(control)
     }
 
     /// τ (nv,) of a state.
@@ -126,6 +126,10 @@ impl Controls for GravityCompensatedPd {
         .with_gravity_at(self.gravity_at);
         let law = match &self.limits {
             Some(limits) => law.with_limits(limits),
+            None => law,
+        };
+        let law = match self.implicit_period {
+            Some(period) => law.with_implicit_gains(period).map_err(exception_of::<ControllerError>)?,
             None => law,
         };
         Ok(Law { controller: Box::new(law), is_called: false })

@@ -1,10 +1,10 @@
 //! The sources of a run's torques.
 
 use pyo3::prelude::*;
-use robot_dynamics::simulation::{CallbackError, Controller, ControllerError};
+use robot_dynamics::simulation::{Controller, ControllerError};
 
-use crate::controllers::{self, Law};
-use crate::numbers::{self, array, shaped};
+use crate::controllers::{self, CalledLaw, Law};
+use crate::numbers::{self, shaped};
 use crate::robot::Robot;
 
 /// The source of torques.
@@ -19,10 +19,7 @@ pub(crate) enum Torques<'a> {
     /// A law of the library's.
     Law(Law<'a>),
     /// f(t, q, v).
-    Called {
-        function: Py<PyAny>,
-        nv: usize,
-    },
+    Called(CalledLaw),
 }
 
 impl<'a> Torques<'a> {
@@ -39,7 +36,7 @@ impl<'a> Torques<'a> {
             return Ok(Self::Law(law));
         }
         if tau.is_callable() {
-            return Ok(Self::Called { function: tau.clone().unbind(), nv });
+            return Ok(Self::Called(CalledLaw { function: tau.clone().unbind(), nv }));
         }
         let (shape, rows) = numbers::numbers(py, "tau", tau)?;
         if shape == [nv] {
@@ -51,7 +48,7 @@ impl<'a> Torques<'a> {
 
     /// Whether the source calls Python.
     pub(super) fn is_called(&self) -> bool {
-        matches!(self, Self::Called { .. } | Self::Law(Law { is_called: true, .. }))
+        matches!(self, Self::Called(_) | Self::Law(Law { is_called: true, .. }))
     }
 
     /// How long each torque is held, if the torques themselves define it.
@@ -80,14 +77,7 @@ impl Controller for Torques<'_> {
                     None => tau.fill(0.0),
                 }
             }
-            Self::Called { function, nv } => Python::attach(|py| {
-                let given = (t, array(py, q)?, array(py, v)?);
-                let (_, numbers) =
-                    shaped(py, "the controller's torque", &function.bind(py).call1(given)?, &[*nv])?;
-                tau.copy_from_slice(&numbers);
-                PyResult::Ok(())
-            })
-            .map_err(|error| ControllerError::Callback(CallbackError::new(error)))?,
+            Self::Called(law) => law.torque(t, q, v, tau)?,
         }
         Ok(())
     }
