@@ -126,9 +126,9 @@ ARGUMENTS = {
     "velocity": "Numbers | None",
     "lower": "Numbers | None",
     "upper": "Numbers | None",
-    "intervals": "int",
-    "start_speed": "float",
-    "end_speed": "float",
+    "intervals": "int | None",
+    "speeds": "tuple[float, float]",
+    "period": "float",
     "both_ends": "bool",
     "samples": "int",
     "format": "str",
@@ -189,7 +189,17 @@ OF_CALL = {
     ("_next_controls", "state"): "object",
     ("_set_limits", "limits"): "_Record",
     ("_set_control_bounds", "lower"): "object",
+    ("_time_optimal", "limits"): "_Record",
+    ("_trajectory_text", "names"): "tuple[Sequence[str], Sequence[str]]",
+    ("_trajectory_text", "states"): "Sequence[Numbers]",
     ("_set_control_bounds", "upper"): "object",
+    ("JerkLimitedMotion", "velocity"): "Numbers | None",
+    ("_put_state", "a"): "Numbers | None",
+    ("_put_state", "v"): "Numbers | None",
+    ("_put_target", "a"): "Numbers | None",
+    ("_put_target", "v"): "Numbers | None",
+    ("_follow_target", "a"): "Numbers | None",
+    ("_follow_target", "v"): "Numbers | None",
     ("OptimalMpc", "rows"): "_Rows",
     ("_sample", "rows"): "_Rows",
     ("_solve", "rows"): "_Rows",
@@ -287,6 +297,11 @@ RETURNS = {
     "_hold_contact": "None",
     "_limits": "_Record",
     "_set_limits": "None",
+    "_put_state": "None",
+    "_put_target": "None",
+    "_follow_target": "None",
+    "_remaining": "float",
+    "_take_step": "bool",
     "_set_objective": "None",
     "_set_weight": "None",
     "_add_mesh": "None",
@@ -347,6 +362,7 @@ RETURNS = {
     "_supported_inverse_dynamics": "_Record",
     "_suspicions": "list[str]",
     "_time_optimal": "_Record",
+    "_trajectory_text": "str",
     "_to_text": "tuple[str, list[tuple[str, str, bool]]]",
     "_with_actuated_joints": "str",
     "_with_attached": "tuple[str, list[str]]",
@@ -465,7 +481,7 @@ OF_SIMULATION = {
 }
 
 # Base classes of classes of the Python package.
-BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody", "KinematicTasks")
+BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody", "KinematicTasks", "JerkLimitedMotion")
 
 # Writable attributes with their types.
 SETTERS = {

@@ -69,6 +69,7 @@ from robot_dynamics.ground import Ground, HeightField
 from robot_dynamics.identification import IdentificationResult
 from robot_dynamics.loading import example, load, loads, random_robot
 from robot_dynamics.motion import EnergyAccount, Event, LinearizedStep, Motion, Rollout, StepStatistics
+from robot_dynamics.online_motion import OnlineMotion
 from robot_dynamics.planning import TimedPath
 from robot_dynamics.pullbacks import LinearizedSteps, RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
@@ -148,6 +149,7 @@ __all__ = [
     "Motion",
     "MujocoState",
     "NoSlip",
+    "OnlineMotion",
     "OperationalSpace",
     "PinocchioState",
     "PlanningError",

@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -39,6 +39,9 @@ def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int)
 
 def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
+
+def _trajectory_text(format: str, names: tuple[Sequence[str], Sequence[str]], times: Numbers, states: Sequence[Numbers]) -> str:
+    """The text of a motion: `format` is `csv`, `json` or `yaml`, the last two of a ROS message."""
 
 def _visible(text: str, keeps_lines: bool) -> str:
     """A text in which each invisible character is replaced by its escape; line ends stay if `keeps_lines`."""
@@ -498,6 +501,26 @@ class ImplicitGains:
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
     def __new__(cls, robot: Robot, law: Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers], stiffness: Numbers, damping: Numbers, period: float, *, limits: Numbers | None = None) -> Self: ...
 
+@disjoint_base
+class JerkLimitedMotion:
+    """The native half of `robot_dynamics.OnlineMotion`."""
+    def __new__(cls, robot: Robot, period: float, acceleration: Numbers, jerk: Numbers, velocity: Numbers | None, lower: Numbers | None, upper: Numbers | None) -> Self: ...
+    def _follow_target(self, q: Numbers, v: Numbers | None, a: Numbers | None) -> None:
+        """See `follow_target`."""
+    def _put_state(self, q: Numbers, v: Numbers | None, a: Numbers | None) -> None:
+        """See `set_state`."""
+    def _put_target(self, q: Numbers, v: Numbers | None, a: Numbers | None) -> None:
+        """See `set_target`."""
+    def _remaining(self) -> float:
+        """See `plan`."""
+    @overload
+    def _state_row(self, number: int) -> NDArray[_F]: ...
+    @overload
+    def _state_row(self, number: int) -> NDArray[np.float64]:
+        """The row of the state: 0 for q, 1 for v, 2 for a, 3 for the jerk."""
+    def _take_step(self) -> bool:
+        """See `step`."""
+
 @final
 class JointMap:
     """Converts q and v between a robot with joints locked and the whole robot.
@@ -887,7 +910,7 @@ class Robot:
         """See `supported_inverse_dynamics`."""
     def _suspicions(self) -> list[str]:
         """See `suspicions`."""
-    def _time_optimal(self, waypoints: Numbers, *, torque: Numbers | None, velocity: Numbers | None, lower: Numbers | None, upper: Numbers | None, intervals: int, start_speed: float, end_speed: float, both_ends: bool, samples: int) -> _Record:
+    def _time_optimal(self, waypoints: Numbers, limits: _Record, intervals: int | None, speeds: tuple[float, float], both_ends: bool, samples: int) -> _Record:
         """See `time_optimal`."""
     def _to_text(self, format: str, folder: _Path | None) -> tuple[str, list[tuple[str, str, bool]]]:
         """See `to_text`."""

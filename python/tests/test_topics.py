@@ -1,5 +1,6 @@
 """Constraints, control, planning, identification, checks, modified robots, plots."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +139,75 @@ def test_the_fastest_motion_keeps_the_limits() -> None:
     assert slower.largest_use < 1.05
     with pytest.raises(rd.PlanningError, match="quaternions"):
         rd.example("quadruped", floating_base=True).time_optimal(np.zeros((2, 19)))
+
+
+def test_the_fastest_motion_keeps_power_acceleration_and_the_weaker_side_of_a_torque() -> None:
+    robot = rd.example("ur5")
+    waypoints = robot.random_configuration(4, seed=2) * 0.2
+    free = robot.time_optimal(waypoints)
+    effort = robot.limits.effort
+    path = robot.time_optimal(
+        waypoints, acceleration=[5.0] * 6, power=[100.0] * 6, torque=effort, torque_lower=-0.7 * effort
+    )
+    assert path.duration > free.duration and path.largest_use < 1.01
+    assert (np.abs(path.a) <= 1.01 * 5.0).all() and (np.abs(path.tau * path.v) <= 101.0).all()
+    assert (path.tau >= -0.71 * effort).all()
+    quantity, coordinate, s = path.tightest
+    assert quantity in ("torque", "velocity", "acceleration", "power")
+    assert coordinate in robot.coordinate_names and 0.0 <= s <= 1.0
+    with pytest.raises(rd.PlanningError, match="power limit of coordinate"):
+        robot.time_optimal(waypoints, power=[0.0] * 6)
+    with pytest.raises(rd.ShapeError):
+        robot.time_optimal(waypoints, acceleration=[1.0])
+
+
+def test_a_timed_path_is_written_in_four_formats(tmp_path: Path) -> None:
+    robot = rd.example("ur5")
+    path = robot.time_optimal(robot.random_configuration(3, seed=4) * 0.2, samples=11)
+    for ending in ("csv", "json", "yaml", "parquet"):
+        path.write(tmp_path / f"motion.{ending}")
+    rows = np.genfromtxt(tmp_path / "motion.csv", delimiter=",", names=True)
+    assert len(rows) == 11 and rows.dtype.names is not None and rows.dtype.names[0] == "time"
+    table = np.column_stack([path.times, path.q, path.v, path.a, path.tau])
+    assert (np.array(rows.tolist()) == table).all()
+    message = json.loads((tmp_path / "motion.json").read_text())
+    assert message["joint_names"] == list(robot.coordinate_names)
+    assert message["points"][5]["effort"] == path.tau[5].tolist()
+    # Each point of the YAML is five lines with the numbers of the JSON.
+    lines = (tmp_path / "motion.yaml").read_text().splitlines()
+    assert len(lines) == 3 + 5 * 11
+    assert json.loads(lines[3 + 5 * 5].removeprefix("- positions: ")) == message["points"][5]["positions"]
+    pq = pytest.importorskip("pyarrow.parquet")
+    read = pq.read_table(tmp_path / "motion.parquet")
+    assert read.column_names == ["time", "q", "v", "a", "tau"]
+    assert (np.array(read["tau"].to_pylist()) == path.tau).all()
+    with pytest.raises(ValueError, match="is written to"):
+        path.write(tmp_path / "motion.txt")
+
+
+def test_an_online_motion_keeps_its_limits_and_follows_targets() -> None:
+    robot = rd.example("ur5")
+    motion = rd.OnlineMotion(robot, 0.002, acceleration=[5.0] * 6, jerk=[50.0] * 6, velocity=[1.0] * 6)
+    motion.set_state(np.zeros(6), v=np.full(6, 0.5))
+    target = np.linspace(-1.0, 1.0, 6)
+    motion.set_target(target)
+    duration, steps = motion.plan(), 0
+    before = motion.a
+    while not motion.step():
+        steps += 1
+        assert np.abs(motion.v).max() <= 1.0 + 1e-9 and np.abs(motion.a).max() <= 5.0 + 1e-9
+        assert np.abs(motion.a - before).max() <= 50.0 * 0.002 + 1e-9 and np.abs(motion.jerk).max() <= 50.0 + 1e-9
+        before = motion.a
+    assert abs(steps * 0.002 - duration) < 0.004
+    assert_allclose(motion.q, target, rtol=0, atol=1e-6)
+    for step in range(1500):
+        motion.follow_target(target + 0.002 * step * 0.2, v=np.full(6, 0.2))
+        motion.step()
+    assert_allclose(motion.q, target + 3.0 * 0.2, rtol=0, atol=1e-5)
+    with pytest.raises(rd.PlanningError, match="velocity of coordinate `shoulder_pan`"):
+        motion.set_target(target, v=[2.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    with pytest.raises(rd.PlanningError, match="period"):
+        rd.OnlineMotion(robot, 0.0, acceleration=[5.0] * 6, jerk=[50.0] * 6)
 
 
 def test_parameters_are_found_from_motion(panda: rd.Robot) -> None:

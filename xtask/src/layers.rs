@@ -29,7 +29,10 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
             "thiserror",
         ],
     ),
-    ("control", &["core", "description", "integrators", "nalgebra", "number", "simulation", "thiserror"]),
+    (
+        "control",
+        &["core", "description", "integrators", "nalgebra", "number", "rsruckig", "simulation", "thiserror"],
+    ),
     (
         "batch",
         &["core", "description", "integrators", "native", "number", "rayon", "simulation", "thiserror"],

@@ -3,13 +3,15 @@
 mod dof_limits;
 mod identification;
 mod inverse_kinematics;
+pub mod joint_trajectory;
 mod lqr;
 mod momentum_observer;
+pub mod online_motion;
 mod operational_space;
 pub mod optimal;
 mod quadratic_program;
 pub mod task_kinematics;
-mod time_parameterization;
+pub mod time_parameterization;
 pub mod whole_body;
 
 mod admittance;

@@ -7,6 +7,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::RolloutError;
 use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::online_motion::OnlineMotionError;
 use robot_dynamics::control::optimal::OptimalControlError;
 use robot_dynamics::control::task_kinematics::TaskKinematicsError;
 use robot_dynamics::control::whole_body::WholeBodyError;
@@ -70,6 +71,7 @@ impl Class {
             (TypeId::of::<InverseKinematicsError>(), Self::InverseKinematics),
             (TypeId::of::<TaskKinematicsError>(), Self::InverseKinematics),
             (TypeId::of::<ParameterizationError>(), Self::Planning),
+            (TypeId::of::<OnlineMotionError>(), Self::Planning),
             (TypeId::of::<IdentificationError>(), Self::Identification),
             (TypeId::of::<ModelError>(), Self::Description),
             (TypeId::of::<InertiaError>(), Self::Description),

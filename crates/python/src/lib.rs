@@ -60,6 +60,7 @@ mod identification;
 mod interaction;
 mod linearization;
 mod numbers;
+mod online_motion;
 mod optimal;
 mod parameters;
 mod planning;
@@ -109,9 +110,13 @@ mod native {
     #[pymodule_export]
     use super::interaction::{Admittance, ControlAllocation, MomentumObserver};
     #[pymodule_export]
+    use super::online_motion::JerkLimitedMotion;
+    #[pymodule_export]
     use super::optimal::mpc::OptimalMpc;
     #[pymodule_export]
     use super::optimal::problem::OptimalProblem;
+    #[pymodule_export]
+    use super::planning::_trajectory_text;
     #[pymodule_export]
     use super::robot::{Robot, example_text};
     #[pymodule_export]

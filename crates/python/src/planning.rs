@@ -1,54 +1,93 @@
-//! The fastest motion along a path within the limits of torque and velocity.
+//! The fastest motion along a path within limits, and texts of sampled motions.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use robot_dynamics::control::joint_trajectory::{JointTrajectory, JointTrajectoryPoint};
 use robot_dynamics::control::{
-    Collocation, CubicSpline, MotionLimits, ParameterizationError, TimeOptimal, TimedPath, limit_utilization,
+    Collocation, CubicSpline, MotionLimits, ParameterizationError, TimeOptimal, limit_utilization,
     time_optimal,
 };
 use robot_dynamics::model::Model;
 
 use crate::errors::{Class, exception, exception_of};
-use crate::numbers::{array, shaped, vector};
+use crate::numbers::{array, shaped};
 use crate::outcome;
 use crate::robot::Robot;
 
 #[pymethods]
 impl Robot {
     /// See `time_optimal`.
-    #[pyo3(signature = (waypoints, *, torque, velocity, lower, upper, intervals, start_speed, end_speed, both_ends, samples))]
+    #[pyo3(signature = (waypoints, limits, intervals, speeds, both_ends, samples))]
     fn _time_optimal<'py>(
         &self,
         py: Python<'py>,
         waypoints: &Bound<'py, PyAny>,
-        torque: Option<&Bound<'py, PyAny>>,
-        velocity: Option<&Bound<'py, PyAny>>,
-        lower: Option<&Bound<'py, PyAny>>,
-        upper: Option<&Bound<'py, PyAny>>,
-        intervals: usize,
-        start_speed: f64,
-        end_speed: f64,
+        limits: &Bound<'py, PyDict>,
+        intervals: Option<usize>,
+        speeds: (f64, f64),
         both_ends: bool,
         samples: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let model = &self.model;
         let rows = waypoint_rows(py, self, waypoints)?;
-        let limits = limits_of(py, self, [torque, velocity, lower, upper])?;
+        let limits = limits_of(py, self, limits)?;
         check_waypoints(py, model, &rows, &limits)?;
         let path = CubicSpline::through(&rows).map_err(exception_of::<ParameterizationError>)?;
-        let mut options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals);
-        (options.start_speed, options.end_speed) = (start_speed, end_speed);
+        let mut options = match intervals {
+            Some(intervals) => TimeOptimal::from_rest_to_rest(limits.clone(), intervals.max(1)),
+            None => TimeOptimal::new(limits.clone()),
+        };
+        (options.start_speed, options.end_speed) = speeds;
         options.collocation = if both_ends { Collocation::BothEnds } else { Collocation::Start };
         let timed = py.detach(|| time_optimal(model, &path, &options)).map_err(exception)?;
         let used = limit_utilization(model, &path, &timed, &limits, 4);
-        let record = sampled(py, model, &path, &timed, samples.max(2))?;
+        let trajectory =
+            timed.trajectory(model, &path, limits.dissipation, samples.max(2)).map_err(exception)?;
+        let record = sampled(py, &trajectory)?;
         record.set_item("duration", timed.duration())?;
         record.set_item("grid", array(py, timed.grid())?)?;
         record.set_item("squared_speeds", array(py, timed.squared_speeds())?)?;
         record.set_item("saturated", used.saturated)?;
         record.set_item("largest_use", used.at_grid_points.max(used.in_between))?;
+        let tightest = used.tightest;
+        record.set_item(
+            "tightest",
+            (tightest.quantity.to_string(), &model.coordinate_names()[tightest.coordinate], tightest.s),
+        )?;
         Ok(record)
     }
+}
+
+/// The text of a motion: `format` is `csv`, `json` or `yaml`, the last two of a ROS message.
+#[pyfunction]
+pub(crate) fn _trajectory_text(
+    py: Python<'_>,
+    format: &str,
+    names: (Vec<String>, Vec<String>),
+    times: &Bound<'_, PyAny>,
+    states: [Bound<'_, PyAny>; 4],
+) -> PyResult<String> {
+    let (nq, nv) = (names.0.len(), names.1.len());
+    let mut trajectory = JointTrajectory::with_names(names.0, names.1);
+    let (shape, times) = shaped(py, "times", times, &[usize::MAX])?;
+    let mut tables = [const { Vec::new() }; 4];
+    for ((table, given), (name, width)) in
+        tables.iter_mut().zip(&states).zip([("q", nq), ("v", nv), ("a", nv), ("tau", nv)])
+    {
+        (_, *table) = shaped(py, name, given, &[shape[0], width])?;
+    }
+    for (k, &time) in times.iter().enumerate() {
+        let row = |table: usize, width: usize| tables[table][k * width..(k + 1) * width].to_vec();
+        let point =
+            JointTrajectoryPoint { time, q: row(0, nq), v: row(1, nv), a: row(2, nv), tau: row(3, nv) };
+        trajectory.push(point).map_err(exception_of::<ParameterizationError>)?;
+    }
+    let text = match format {
+        "json" => trajectory.to_ros_json(),
+        "yaml" => trajectory.to_ros_yaml(),
+        _ => Ok(trajectory.to_csv()),
+    };
+    text.map_err(exception_of::<ParameterizationError>)
 }
 
 /// The waypoints (points, nq) of a robot whose configurations are vectors.
@@ -65,26 +104,33 @@ fn waypoint_rows(py: Python<'_>, robot: &Robot, waypoints: &Bound<'_, PyAny>) ->
     Ok(points.chunks_exact(shape[1].max(1)).map(<[f64]>::to_vec).collect())
 }
 
-/// The limits of torque, velocity and lower and upper position: those given, or else the robot's. Limits of
-/// position may be infinite.
-fn limits_of(
-    py: Python<'_>,
-    robot: &Robot,
-    [torque, velocity, lower, upper]: [Option<&Bound<'_, PyAny>>; 4],
-) -> PyResult<MotionLimits> {
+/// The limits by name: those given, or else the robot's.
+fn limits_of(py: Python<'_>, robot: &Robot, given: &Bound<'_, PyDict>) -> PyResult<MotionLimits> {
     let mut limits = MotionLimits::of(&robot.model);
-    let nv = robot.model.nv();
-    if let Some(lower) = lower {
-        (_, limits.lower) = shaped(py, "lower", lower, &[nv])?;
+    let read = |name: &str| -> PyResult<Option<Vec<f64>>> {
+        match given.get_item(name)?.filter(|value| !value.is_none()) {
+            Some(value) => Ok(Some(shaped(py, name, &value, &[robot.model.nv()])?.1)),
+            None => Ok(None),
+        }
+    };
+    if let Some(torque) = read("torque")? {
+        limits.torque_lower = torque.iter().map(|limit| -limit).collect();
+        limits.torque_upper = torque;
     }
-    if let Some(upper) = upper {
-        (_, limits.upper) = shaped(py, "upper", upper, &[nv])?;
+    for (name, limit) in [
+        ("torque_lower", &mut limits.torque_lower),
+        ("velocity", &mut limits.velocity),
+        ("acceleration", &mut limits.acceleration),
+        ("power", &mut limits.power),
+        ("lower", &mut limits.lower),
+        ("upper", &mut limits.upper),
+    ] {
+        if let Some(values) = read(name)? {
+            *limit = values;
+        }
     }
-    if let Some(torque) = torque {
-        limits.torque = vector(py, robot, "torque", torque)?;
-    }
-    if let Some(velocity) = velocity {
-        limits.velocity = vector(py, robot, "velocity", velocity)?;
+    if let Some(dissipation) = given.get_item("dissipation")? {
+        limits.dissipation = dissipation.extract()?;
     }
     Ok(limits)
 }
@@ -106,28 +152,21 @@ fn check_waypoints(py: Python<'_>, model: &Model, rows: &[Vec<f64>], limits: &Mo
     Err(Class::Planning.error(py, message))
 }
 
-/// The motion at equally spaced times, from the start to the end.
-fn sampled<'py>(
-    py: Python<'py>,
-    model: &Model,
-    path: &CubicSpline,
-    timed: &TimedPath,
-    count: usize,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (mut times, mut tables) = (Vec::with_capacity(count), [const { Vec::new() }; 4]);
-    for k in 0..count {
-        let t = timed.duration() * k as f64 / (count - 1) as f64;
-        let (q, v, a) = timed.state(path, t);
-        let tau = model.inverse_dynamics(&q, &v, &a).map_err(|error| Class::Planning.error(py, error))?;
-        times.push(t);
-        for (table, row) in tables.iter_mut().zip([&q[..], &v, &a, tau.as_slice()]) {
-            table.extend_from_slice(row);
-        }
-    }
+/// The points of a motion as arrays.
+fn sampled<'py>(py: Python<'py>, trajectory: &JointTrajectory) -> PyResult<Bound<'py, PyDict>> {
+    let points = trajectory.points();
+    let times: Vec<f64> = points.iter().map(|point| point.time).collect();
     let record = PyDict::new(py);
     record.set_item("times", array(py, &times)?)?;
-    for (name, table) in ["q", "v", "a", "tau"].into_iter().zip(&tables) {
-        record.set_item(name, outcome::filled(py, &[count, model.nv()], table)?)?;
+    let rows: [(&str, fn(&JointTrajectoryPoint) -> &Vec<f64>); 4] = [
+        ("q", |point| &point.q),
+        ("v", |point| &point.v),
+        ("a", |point| &point.a),
+        ("tau", |point| &point.tau),
+    ];
+    for (name, row) in rows {
+        let table: Vec<f64> = points.iter().flat_map(row).copied().collect();
+        record.set_item(name, outcome::filled(py, &[points.len(), row(&points[0]).len()], &table)?)?;
     }
     Ok(record)
 }

@@ -79,7 +79,10 @@ fn moments(
             let v: Vec<f64> = dq.iter().map(|dq| dq * square.sqrt()).collect();
             let a: Vec<f64> = dq.iter().zip(&ddq).map(|(dq, ddq)| dq * acceleration + ddq * square).collect();
             inverse_dynamics(model, workspace, &q, &v, &a, &mut tau);
-            moments.push((timed.times()[end], [shares(&tau, &limits.torque), shares(&v, &limits.velocity)]));
+            moments.push((
+                timed.times()[end],
+                [shares(&tau, &limits.torque_upper), shares(&v, &limits.velocity)],
+            ));
         }
     }
     moments

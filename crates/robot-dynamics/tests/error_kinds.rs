@@ -6,6 +6,7 @@ use std::path::Path;
 use robot_dynamics::ErrorKind::{self, *};
 use robot_dynamics::algorithms::{MotionError, SingularMass};
 use robot_dynamics::constraints::ConstraintError;
+use robot_dynamics::control::online_motion::OnlineMotionError;
 use robot_dynamics::control::task_kinematics::{KinematicLimit, TaskKinematicsError};
 use robot_dynamics::control::whole_body::{Limit, WholeBodyError};
 use robot_dynamics::control::{
@@ -109,6 +110,9 @@ fn errors_of_control() {
     check(DlqrError::from(bad_input()), InvalidInput);
     check(ParameterizationError::from(bad_input()), InvalidInput);
     check(ParameterizationError::Standstill { s: 0.0 }, Infeasible);
+    check(OnlineMotionError::from(bad_input()), InvalidInput);
+    check(OnlineMotionError::PositionLimits, Infeasible);
+    check(OnlineMotionError::NoMotion { reason: name() }, Infeasible);
     check(TaskKinematicsError::from(bad_input()), InvalidInput);
     check(TaskKinematicsError::NotConverged { steps: 3 }, NotConverged);
     let limit = KinematicLimit::Velocity { dof: 0 };

@@ -17,6 +17,7 @@ use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
+use robot_dynamics::control::online_motion::{OnlineLimits, OnlineMotion};
 use robot_dynamics::control::optimal::{
     ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
     StateResidual,
@@ -36,7 +37,7 @@ use robot_dynamics::derivatives::LinearizeStepWorkspace;
 use robot_dynamics::description::{
     ActuatorDescription, Base, JointDescription, JointKind, JointKinds, LinkDescription, LinkShape,
     MassProperties, Pose, RandomRobotOptions, RobotDescription, SensorDescription, SensorKind, SensorObject,
-    Shape, ShapeRole, Transmission,
+    Shape, ShapeRole, Transmission, random_robot,
 };
 use robot_dynamics::model::{FrameId, Model, RandomState, Workspace};
 use robot_dynamics::number::Dual;
@@ -1011,6 +1012,30 @@ fn task_kinematics_allocates_nothing() {
     });
     assert_eq!(requests, 0);
     assert!(steps > 0, "limits are active");
+}
+
+/// New targets, moving targets and steps of an online motion.
+#[test]
+fn online_motion_allocates_nothing() {
+    let options = RandomRobotOptions { kinds: JointKinds::Turning, joints: 7, ..Default::default() };
+    let model = Model::new(random_robot(5, &options)).expect("a robot");
+    let (rest, nv) = ([0.0; 7], model.nv());
+    let limits = OnlineLimits::new(vec![1.0; nv], vec![4.0; nv], vec![40.0; nv]);
+    let mut motion = OnlineMotion::new(&model, limits, 0.001).expect("limits");
+    let mut moved = 0.0f64;
+    let requests = allocations(|| {
+        for target in [0.5, -0.3, 0.8] {
+            motion.set_target(&[target; 7], &rest, &rest).expect("a target");
+            for _ in 0..50 {
+                motion.step().expect("a step");
+            }
+            motion.follow_target(&[target; 7], &[0.1; 7], &rest).expect("a target");
+            motion.step().expect("a step");
+            moved = moved.max(motion.v()[3].abs());
+        }
+    });
+    assert_eq!(requests, 0);
+    assert!(moved > 0.05, "{moved}");
 }
 
 /// Calls after the first, with other active limits, references and held contacts.

@@ -1,8 +1,9 @@
 //! The grid of the path parameter.
 
-use robot_dynamics_core::{Model, Workspace, inverse_dynamics};
+use robot_dynamics_core::Model;
 
-use super::{MotionLimits, ParameterizationError, TimedPath, TreePath, TreePathPoint};
+use super::sample::Sampler;
+use super::{MotionLimits, ParameterizationError, TimedPath, TreePath};
 
 /// The limit of refinements by halving intervals. Each one reduces the excess over limits to a quarter, or to
 /// a half at a corner.
@@ -31,6 +32,12 @@ pub(super) fn grid(path: &impl TreePath, count: usize) -> Vec<f64> {
     grid
 }
 
+/// The grid with the middle of every interval.
+pub(super) fn halved(grid: &[f64]) -> Vec<f64> {
+    let middles = grid.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]);
+    core::iter::once(grid[0]).chain(middles).collect()
+}
+
 /// The ratio rounded up to a whole number, with tolerance for rounding, and at least one.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most the requested intervals
 fn parts(share: f64) -> usize {
@@ -56,18 +63,14 @@ pub(super) fn check_position(
     };
     check(grid[0])?;
     for pair in grid.windows(2) {
-        inside(pair[0], pair[1]).map(|(s, _)| s).chain([pair[1]]).try_for_each(check)?;
+        inside().map(|part| pair[0] + (pair[1] - pair[0]) * part).chain([pair[1]]).try_for_each(check)?;
     }
     Ok(())
 }
 
-/// Points inside an interval, denser towards its ends like Chebyshev points, with the fraction of the
-/// interval before each.
-fn inside(from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
-    (1..=INSIDE).map(move |k| {
-        let part = 0.5 - 0.5 * (core::f64::consts::PI * k as f64 / (INSIDE + 1) as f64).cos();
-        (from + (to - from) * part, part)
-    })
+/// The fractions of an interval before points inside it, denser towards its ends like Chebyshev points.
+fn inside() -> impl Iterator<Item = f64> {
+    (1..=INSIDE).map(|k| 0.5 - 0.5 * (core::f64::consts::PI * k as f64 / (INSIDE + 1) as f64).cos())
 }
 
 /// The grid of a motion with the intervals halved inside which it exceeds a limit.
@@ -77,24 +80,14 @@ pub(super) fn refined(
     timed: &TimedPath,
     limits: &MotionLimits,
 ) -> Vec<f64> {
-    let workspace = &mut Workspace::new(model);
-    let mut tau = vec![0.0; model.nv()];
-    let (grid, x) = (timed.grid(), timed.squared_speeds());
+    let grid = timed.grid();
+    let mut sampler = Sampler::new(model, path, timed, limits.dissipation);
     let mut finer = vec![grid[0]];
     for i in 0..grid.len() - 1 {
-        let acceleration = timed.acceleration(i);
-        let mut passes = |(s, part): (f64, f64)| {
-            let square = x[i] + (x[i + 1] - x[i]) * part;
-            let TreePathPoint { q, dq, ddq } = path.at(s);
-            let v: Vec<f64> = dq.iter().map(|dq| dq * square.sqrt()).collect();
-            let a: Vec<f64> = dq.iter().zip(&ddq).map(|(dq, ddq)| dq * acceleration + ddq * square).collect();
-            inverse_dynamics(model, workspace, &q, &v, &a, &mut tau);
-            let beyond = |(x, limit): (&f64, &f64)| x.abs() > limit * (1.0 + EXCESS);
-            tau.iter().zip(&limits.torque).any(beyond) || v.iter().zip(&limits.velocity).any(beyond)
-        };
         let middle = 0.5 * (grid[i] + grid[i + 1]);
         let can_be_halved = grid[i] < middle && middle < grid[i + 1];
-        if can_be_halved && inside(grid[i], grid[i + 1]).any(&mut passes) {
+        let mut passes = |part: f64| sampler.at(i, part).utilization(limits).0 > 1.0 + EXCESS;
+        if can_be_halved && inside().any(&mut passes) {
             finer.push(middle);
         }
         finer.push(grid[i + 1]);

@@ -1,38 +1,94 @@
-//! Limits of a motion, and errors of its parameterization.
+//! Limits of a motion.
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
-use thiserror::Error;
+use robot_dynamics_number::InvalidInput;
 
 use crate::inverse_kinematics::bounds::Bounds;
 
-/// Limits of a motion, one number per coordinate; infinite without a limit.
+/// A quantity with a limit for each coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LimitedQuantity {
+    /// τ \[N·m or N\].
+    Torque,
+    /// v \[rad/s or m/s\].
+    Velocity,
+    /// a \[rad/s² or m/s²\].
+    Acceleration,
+    /// τ v \[W\].
+    Power,
+}
+
+impl core::fmt::Display for LimitedQuantity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Torque => "torque",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Power => "power",
+        })
+    }
+}
+
+/// Limits of a motion, one number per coordinate of v; infinite without a limit.
+///
+/// The torques are those that the motors supply. They include damping and friction of the joints, as in
+/// simulations, unless [`dissipation`](Self::dissipation) is false.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionLimits {
-    /// The largest |τ| \[N·m or N\].
-    pub torque: Vec<f64>,
+    /// The smallest τ \[N·m or N\].
+    pub torque_lower: Vec<f64>,
+    /// The largest τ \[N·m or N\].
+    pub torque_upper: Vec<f64>,
     /// The largest |v| \[rad/s or m/s\].
     pub velocity: Vec<f64>,
+    /// The largest |a| \[rad/s² or m/s²\].
+    pub acceleration: Vec<f64>,
+    /// The largest |τ v| of each coordinate \[W\].
+    pub power: Vec<f64>,
     /// The smallest q of each coordinate \[rad or m\]; ignored for joints with a quaternion.
     pub lower: Vec<f64>,
     /// The largest q.
     pub upper: Vec<f64>,
+    /// Whether τ includes [`dissipation`](robot_dynamics_core::dissipation): damping · v + friction · sign v.
+    pub dissipation: bool,
 }
 
 impl MotionLimits {
-    /// Limits of torque and velocity, without position limits.
+    /// Limits |τ| ≤ `torque` and |v| ≤ `velocity`, with damping and friction of the joints in τ.
     ///
     /// ```
     /// let limits = robot_dynamics::control::MotionLimits::new(vec![40.0, 20.0], vec![2.0; 2]);
-    /// assert!(limits.upper == [f64::INFINITY; 2]);
+    /// assert!(limits.torque_lower == [-40.0, -20.0] && limits.upper == [f64::INFINITY; 2]);
     /// ```
     pub fn new(torque: Vec<f64>, velocity: Vec<f64>) -> Self {
-        let count = torque.len();
-        Self { torque, velocity, lower: vec![f64::NEG_INFINITY; count], upper: vec![f64::INFINITY; count] }
+        let none = vec![f64::INFINITY; torque.len()];
+        Self {
+            torque_lower: torque.iter().map(|limit| -limit).collect(),
+            torque_upper: torque,
+            velocity,
+            acceleration: none.clone(),
+            power: none.clone(),
+            lower: vec![f64::NEG_INFINITY; none.len()],
+            upper: none,
+            dissipation: true,
+        }
     }
 
-    /// The limits of the robot's description, including those of its mimic joints.
+    /// The limits of effort, velocity and position of the robot's description, including the positions of its
+    /// mimic joints.
+    ///
+    /// ```
+    /// use robot_dynamics::control::MotionLimits;
+    /// use robot_dynamics::description::{Limits, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits::new(-1.0, 2.0).with_effort(30.0);
+    /// let limits = MotionLimits::of(&Model::new(robot)?);
+    /// assert!(limits.torque_lower == [-30.0] && limits.lower == [-1.0] && limits.upper == [2.0]);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
     pub fn of(model: &Model) -> Self {
         let limits = model.coordinate_limits();
         let mut all = Self::new(
@@ -43,6 +99,56 @@ impl MotionLimits {
             (all.lower[bound.v], all.upper[bound.v]) = (bound.lower, bound.upper);
         }
         all
+    }
+
+    /// Sets the smallest and the largest τ of each coordinate \[N·m or N\].
+    ///
+    /// ```
+    /// use robot_dynamics::control::MotionLimits;
+    /// // A cable pulls and never pushes.
+    /// let limits = MotionLimits::new(vec![40.0], vec![2.0]).with_torque_range(vec![0.0], vec![40.0]);
+    /// assert_eq!((limits.torque_lower[0], limits.torque_upper[0]), (0.0, 40.0));
+    /// ```
+    #[must_use]
+    pub fn with_torque_range(mut self, lower: Vec<f64>, upper: Vec<f64>) -> Self {
+        (self.torque_lower, self.torque_upper) = (lower, upper);
+        self
+    }
+
+    /// Sets the largest |a| of each coordinate \[rad/s² or m/s²\].
+    ///
+    /// ```
+    /// let limits = robot_dynamics::control::MotionLimits::new(vec![40.0], vec![2.0]).with_acceleration(vec![9.0]);
+    /// assert_eq!(limits.acceleration, [9.0]);
+    /// ```
+    #[must_use]
+    pub fn with_acceleration(mut self, acceleration: Vec<f64>) -> Self {
+        self.acceleration = acceleration;
+        self
+    }
+
+    /// Sets the largest |τ v| of each coordinate \[W\].
+    ///
+    /// ```
+    /// let limits = robot_dynamics::control::MotionLimits::new(vec![40.0], vec![2.0]).with_power(vec![50.0]);
+    /// assert_eq!(limits.power, [50.0]);
+    /// ```
+    #[must_use]
+    pub fn with_power(mut self, power: Vec<f64>) -> Self {
+        self.power = power;
+        self
+    }
+
+    /// Sets whether τ includes damping and friction of the joints.
+    ///
+    /// ```
+    /// let limits = robot_dynamics::control::MotionLimits::new(vec![40.0], vec![2.0]).with_dissipation(false);
+    /// assert!(!limits.dissipation);
+    /// ```
+    #[must_use]
+    pub fn with_dissipation(mut self, dissipation: bool) -> Self {
+        self.dissipation = dissipation;
+        self
     }
 
     /// The first coordinate beyond its position limits, as its index in v, and its value.
@@ -74,82 +180,43 @@ impl MotionLimits {
             x < lower - slack(lower) || x > upper + slack(upper)
         })
     }
-}
 
-/// The error of [`time_optimal`](crate::time_optimal): an invalid argument, or a path that the limits do not allow.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-#[doc(alias = "SplineError")]
-pub enum ParameterizationError {
-    /// There are fewer than two waypoints, two equal ones follow each other, or they have different
-    /// lengths. A number of a waypoint, the path or a requested speed is not finite, or a limit is not
-    /// positive.
-    #[error(transparent)]
-    Input(#[from] InvalidInput),
-    /// The path exceeds the position limits.
-    #[error(
-        "the path leaves the limits of position at s = {s}: coordinate `{coordinate}` is at {value}, its limits are {lower} and {upper}; \
-         move the waypoints inside"
-    )]
-    BeyondPosition {
-        /// The path parameter.
-        s: f64,
-        /// The name of the coordinate.
-        coordinate: String,
-        /// Its q there \[rad or m\].
-        value: f64,
-        /// The smallest allowed value.
-        lower: f64,
-        /// The largest allowed value.
-        upper: f64,
-    },
-    /// No speed is admissible at this point of the path, usually because gravity alone exceeds the torque
-    /// limits.
-    #[error(
-        "no speed at s = {s} is within the limits: coordinate `{coordinate}` needs {needed} to stand still, \
-         its limit is {limit}"
-    )]
-    Overloaded {
-        /// The path parameter.
-        s: f64,
-        /// The coordinate nearest to, or furthest beyond, its limit at rest.
-        coordinate: String,
-        /// |c| there \[N·m or N\].
-        needed: f64,
-        /// The limit of the coordinate.
-        limit: f64,
-    },
-    /// The speed is zero at both ends of an interval, so the motion cannot cross it.
-    #[error(
-        "the motion never leaves s = {s}: it rests there and at the next grid point; take more intervals"
-    )]
-    Standstill {
-        /// The path parameter.
-        s: f64,
-    },
-    /// The requested speed at the start or the end is not reachable.
-    #[error("the speed ds/dt = {speed} at the {place} of the path is out of reach; the largest is {largest}")]
-    EndSpeed {
-        /// `start` or `end`.
-        place: &'static str,
-        /// The requested speed.
-        speed: f64,
-        /// The largest speed within the limits.
-        largest: f64,
-    },
-    /// No limit bounds the speed.
-    #[error("nothing bounds the speed at s = {s}: give limits to the coordinates that move there")]
-    Unbounded {
-        /// The path parameter.
-        s: f64,
-    },
-}
-
-impl Classified for ParameterizationError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Input(error) => error.kind(),
-            _ => ErrorKind::Infeasible,
+    /// Checks lengths and values: no NaN, positive magnitudes, and ranges of torque with a number in them.
+    #[track_caller]
+    pub(super) fn check(&self, model: &Model) -> Result<(), InvalidInput> {
+        let bad = |quantity: &str, k: usize, needed: String| {
+            let limit = format!("the {quantity} limit of coordinate `{}`", model.coordinate_names()[k]);
+            Err(InvalidInput::unmet(limit, needed))
+        };
+        let ranges = [
+            ("lower torque", &self.torque_lower),
+            ("torque", &self.torque_upper),
+            ("lower", &self.lower),
+            ("upper", &self.upper),
+        ];
+        let magnitudes =
+            [("velocity", &self.velocity), ("acceleration", &self.acceleration), ("power", &self.power)];
+        for (quantity, values) in ranges.into_iter().chain(magnitudes) {
+            check_length("the limits", values.len(), model.nv());
+            if let Some(k) = values.iter().position(|x| x.is_nan()) {
+                return bad(quantity, k, "is NaN; it must be a number".into());
+            }
+        }
+        for (quantity, values) in magnitudes {
+            if let Some(k) = values.iter().position(|&x| x <= 0.0) {
+                return bad(quantity, k, format!("is {}; it must be positive", values[k]));
+            }
+        }
+        let range = |k: &usize| (self.torque_lower[*k], self.torque_upper[*k]);
+        match (0..model.nv()).find(|k| range(k).0 >= range(k).1) {
+            None => Ok(()),
+            Some(k) => {
+                let (lower, upper) = range(&k);
+                if lower == -upper {
+                    return bad("torque", k, format!("is {upper}; it must be positive"));
+                }
+                bad("torque", k, format!("is {upper}; it must be above the lower limit {lower}"))
+            }
         }
     }
 }

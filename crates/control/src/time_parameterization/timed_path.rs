@@ -65,18 +65,28 @@ impl TimedPath {
         (self.x[interval + 1] - self.x[interval]) / (2.0 * (self.s[interval + 1] - self.s[interval]))
     }
 
+    /// ṡ² at s, by linear interpolation, which is exact between grid points.
+    pub(super) fn squared_speed(&self, s: f64) -> f64 {
+        let last = self.s.len() - 2;
+        let i = self.s.partition_point(|&start| start <= s).saturating_sub(1).min(last);
+        self.x[i] + (self.x[i + 1] - self.x[i]) * (s - self.s[i]) / (self.s[i + 1] - self.s[i])
+    }
+
     /// s, ṡ and s̈ at time t; before and after the motion, those of its ends.
     pub fn at(&self, t: f64) -> PathState {
-        let last = self.s.len() - 2;
         let t = t.clamp(0.0, self.duration());
+        let (i, s) = self.interval(t);
+        let acceleration = self.acceleration(i);
+        PathState { s, speed: (self.x[i].sqrt() + acceleration * (t - self.t[i])).max(0.0), acceleration }
+    }
+
+    /// The interval at a time of the motion, and s.
+    pub(super) fn interval(&self, t: f64) -> (usize, f64) {
+        let last = self.s.len() - 2;
         let i = self.t.partition_point(|&start| start <= t).saturating_sub(1).min(last);
-        let (since, acceleration) = (t - self.t[i], self.acceleration(i));
-        let speed = self.x[i].sqrt();
-        PathState {
-            s: (self.s[i] + since * (speed + 0.5 * acceleration * since)).min(self.s[i + 1]),
-            speed: (speed + acceleration * since).max(0.0),
-            acceleration,
-        }
+        let since = t - self.t[i];
+        let s = self.s[i] + since * (self.x[i].sqrt() + 0.5 * self.acceleration(i) * since);
+        (i, s.min(self.s[i + 1]))
     }
 
     /// q, v and a at time t: v = q′ ṡ, a = q′ s̈ + q″ ṡ².

@@ -1,4 +1,5 @@
 use robot_dynamics::constraints::SpatialAxis;
+use robot_dynamics::control::online_motion::{OnlineLimits, OnlineMotion, OnlineMotionError};
 use robot_dynamics::control::{
     ComputedTorque, CubicSpline, FrameTarget, InverseKinematicsError, InverseKinematicsOptions, MotionLimits,
     MotionRecord, ParameterizationError, PoseReference, Reference, TaskControl, TaskGains, TimeOptimal,
@@ -98,6 +99,23 @@ pub(crate) fn parameterization_error() -> Section {
         "a start that is too fast",
         ParameterizationError::EndSpeed { place: "start", speed: 50.0, largest: 2.5 },
     );
+    section
+}
+
+pub(crate) fn online_motion_error() -> Section {
+    let mut section = Section::new("OnlineMotionError");
+    let model = Model::new(planar_arm()).expect("a robot");
+    let limits = OnlineLimits::new(vec![1.0; 2], vec![4.0; 2], vec![40.0; 2]);
+    let no_jerk = OnlineLimits { jerk: vec![40.0, 0.0], ..limits.clone() };
+    section.row("a jerk limit of 0", OnlineMotion::new(&model, no_jerk, 1e-3).expect_err("no jerk"));
+    let error = OnlineMotion::new(&model, limits.clone(), 0.0).expect_err("no period");
+    section.row("a period of 0", error);
+    let mut motion = OnlineMotion::new(&model, limits, 1e-3).expect("limits");
+    section.row("one number for two", motion.set_target(&[0.0], &[0.0], &[0.0]).expect_err("one number"));
+    let error = motion.set_target(&[0.0; 2], &[0.0, -1.5], &[0.0; 2]).expect_err("too fast");
+    section.row("a target that is too fast", error);
+    section.row("no way to stop within the limits of position", OnlineMotionError::PositionLimits);
+    section.row("no motion", OnlineMotionError::NoMotion { reason: "ErrorZeroLimits".into() });
     section
 }
 

@@ -79,6 +79,7 @@ fn errors_of_control() {
         control::inverse_kinematics_error(),
         control::spline_error(),
         control::parameterization_error(),
+        control::online_motion_error(),
         control::identification_error(),
     ]));
 }
