@@ -11,6 +11,7 @@
 //! limited.
 
 mod coefficients;
+mod configuration_spline;
 mod constraints;
 mod error;
 mod grid;
@@ -18,6 +19,7 @@ mod half_planes;
 mod limits;
 mod path;
 mod reachability;
+mod rotation_spline;
 mod sample;
 mod sampling;
 mod spline;
@@ -26,6 +28,7 @@ mod timed_path;
 mod utilization;
 
 pub use coefficients::{PathCoefficients, path_coefficients};
+pub use configuration_spline::ConfigurationSpline;
 pub use error::ParameterizationError;
 pub use limits::{LimitedQuantity, MotionLimits};
 pub use path::{TreePath, TreePathPoint};

@@ -3,7 +3,8 @@
 use super::{TreePath, TreePathPoint};
 use robot_dynamics_number::{InputProblem, InvalidInput, check_finite, check_result};
 
-/// The natural cubic spline through waypoints, twice continuously differentiable, for plain coordinates only.
+/// The natural cubic spline through waypoints, twice continuously differentiable, for plain coordinates only;
+/// for robots with quaternions see [`ConfigurationSpline`](super::ConfigurationSpline).
 ///
 /// Knots are the cumulative sums of chord lengths to the power ½ (centripetal), scaled to s ∈ \[0, 1\], which
 /// avoids loops between uneven waypoints. q″ = 0 at both ends. Sources: de Boor, *A Practical Guide to
@@ -30,12 +31,7 @@ impl CubicSpline {
     /// [`InvalidInput`] if there are fewer than two waypoints, their lengths differ, a number
     /// is not finite, or two consecutive waypoints are equal.
     pub fn through(waypoints: &[Vec<f64>]) -> Result<Self, InvalidInput> {
-        if waypoints.len() < 2 {
-            let found = format!("needs at least two waypoints, got {}", waypoints.len());
-            return Err(InvalidInput::unmet("a spline", found));
-        }
-        let expected = waypoints[0].len();
-        let mut knots = vec![0.0];
+        let expected = waypoints.first().map_or(0, Vec::len);
         for (index, point) in waypoints.iter().enumerate() {
             if point.len() != expected {
                 let (found, owner, hint) = (point.len(), "the path".into(), ", as the first waypoint has");
@@ -43,25 +39,45 @@ impl CubicSpline {
                 return Err(InvalidInput::new(format!("waypoint {index}"), problem));
             }
             check_finite(&format!("waypoint {index}"), point)?;
-            if index > 0 {
-                let before = &waypoints[index - 1];
-                let chord: f64 = point.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-                if chord == 0.0 {
-                    let both = format!("waypoints {} and {index}", index - 1);
-                    return Err(InvalidInput::unmet(both, "are the same point; leave one out"));
-                }
-                knots.push(knots[index - 1] + chord.sqrt());
+        }
+        let chord = |ends: &[Vec<f64>]| -> f64 {
+            ends[1].iter().zip(&ends[0]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        };
+        let chords: Vec<f64> = waypoints.windows(2).map(chord).collect();
+        Self::with_chords(waypoints.to_vec(), &chords)
+    }
+
+    /// The spline through waypoints of equal length with these lengths of chords.
+    pub(super) fn with_chords(waypoints: Vec<Vec<f64>>, chords: &[f64]) -> Result<Self, InvalidInput> {
+        if waypoints.len() < 2 {
+            let found = format!("needs at least two waypoints, got {}", waypoints.len());
+            return Err(InvalidInput::unmet("a spline", found));
+        }
+        let mut knots = vec![0.0];
+        for (index, chord) in chords.iter().enumerate() {
+            if *chord == 0.0 {
+                let both = format!("waypoints {index} and {}", index + 1);
+                return Err(InvalidInput::unmet(both, "are the same point; leave one out"));
             }
+            knots.push(knots[index] + chord.sqrt());
         }
         let length = knots[knots.len() - 1];
         for s in &mut knots {
             *s /= length;
         }
-        let curvatures = curvatures(&knots, waypoints);
+        let curvatures = curvatures(&knots, &waypoints);
         for (index, (knot, curvature)) in knots.iter().zip(&curvatures).enumerate() {
             check_result(&format!("the spline at waypoint {index}"), curvature.iter().chain([knot]))?;
         }
-        Ok(Self { knots, points: waypoints.to_vec(), curvatures })
+        Ok(Self { knots, points: waypoints, curvatures })
+    }
+
+    /// The interval that contains s, the fraction of it before s, and its length.
+    pub(super) fn interval(&self, s: f64) -> (usize, f64, f64) {
+        let last = self.knots.len() - 2;
+        let i = self.knots.partition_point(|&knot| knot <= s).saturating_sub(1).min(last);
+        let h = self.knots[i + 1] - self.knots[i];
+        (i, (s - self.knots[i]) / h, h)
     }
 
     /// s of each waypoint.
@@ -95,10 +111,7 @@ fn curvatures(knots: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
 
 impl TreePath for CubicSpline {
     fn at(&self, s: f64) -> TreePathPoint {
-        let last = self.knots.len() - 2;
-        let i = self.knots.partition_point(|&knot| knot <= s).saturating_sub(1).min(last);
-        let h = self.knots[i + 1] - self.knots[i];
-        let t = (s - self.knots[i]) / h;
+        let (i, t, h) = self.interval(s);
         let (p0, p1) = (&self.points[i], &self.points[i + 1]);
         let (m0, m1) = (&self.curvatures[i], &self.curvatures[i + 1]);
         let each = |f: &dyn Fn(usize) -> f64| (0..p0.len()).map(f).collect();

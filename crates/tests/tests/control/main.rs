@@ -4,6 +4,7 @@
 mod common;
 
 mod actuated;
+mod configuration_spline;
 mod control_allocation;
 mod interaction;
 mod inverse_kinematics;
