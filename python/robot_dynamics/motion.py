@@ -474,13 +474,13 @@ def _motion_of(robot: Robot, record: dict[str, Any]) -> Motion:
     record["events"] = tuple(Occurrence(*event) for event in record["events"])
     if record.get("statistics") is not None:
         record["statistics"] = StepStatistics(**record["statistics"])
-    names, limits = _configuration_layout(robot)
+    names, limits = configuration_layout(robot)
     return Motion(
         **record, coordinates=tuple(robot.coordinate_names), configuration_names=names, position_limits=limits
     )
 
 
-def _configuration_layout(robot: Robot) -> tuple[tuple[str, ...], Array]:
+def configuration_layout(robot: Robot) -> tuple[tuple[str, ...], Array]:
     """Names of the numbers of q, and their limits (nq, 2)."""
     names: list[str] = []
     limits = np.tile([-np.inf, np.inf], (robot.nq, 1))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
+from robot_dynamics.motion import configuration_layout
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
@@ -220,6 +221,8 @@ def time_optimal(
 ) -> TimedPath:
     """Fastest motion on the cubic spline through waypoints within the limits.
 
+    Rotations of floating and ball joints follow a spline with a continuous angular acceleration.
+
     The torques a(s) s̈ + b(s) ṡ² + c(s) = τ are kept within the limits at the ends of each piece of the
     path. Pieces end at every waypoint. A piece is halved if a limit would be exceeded inside it by more than
     1e-3 of its value. All pieces are halved until that changes the duration by less than 0.5 %.
@@ -264,7 +267,7 @@ def time_optimal(
     ------
     PlanningError
         A waypoint or the spline is beyond the position limits, a joint cannot hold the robot on the path,
-        or the robot has quaternions.
+        or rotations turn too far between waypoints.
     ShapeError
         An array has the wrong shape.
 
@@ -286,5 +289,5 @@ def time_optimal(
         "dissipation": dissipation,
     }
     record = robot._time_optimal(waypoints, limits, intervals, (start_speed, end_speed), both_ends, samples)
-    names = tuple(robot.coordinate_names)
-    return TimedPath(**record, coordinates=names, configuration_names=names)
+    names, _ = configuration_layout(robot)
+    return TimedPath(**record, coordinates=tuple(robot.coordinate_names), configuration_names=names)

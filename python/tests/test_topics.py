@@ -137,8 +137,6 @@ def test_the_fastest_motion_keeps_the_limits() -> None:
     assert_allclose(path.q[0] + np.cumsum(steps, axis=0), path.q[1:], rtol=0, atol=1e-3)
     slower = robot.time_optimal(path.q[[0, 250, 500]], torque=limits.effort, velocity=0.5 * limits.velocity)
     assert slower.largest_use < 1.05
-    with pytest.raises(rd.PlanningError, match="quaternions"):
-        rd.example("quadruped", floating_base=True).time_optimal(np.zeros((2, 19)))
 
 
 def test_the_fastest_motion_keeps_power_acceleration_and_the_weaker_side_of_a_torque() -> None:
@@ -159,6 +157,26 @@ def test_the_fastest_motion_keeps_power_acceleration_and_the_weaker_side_of_a_to
         robot.time_optimal(waypoints, power=[0.0] * 6)
     with pytest.raises(rd.ShapeError):
         robot.time_optimal(waypoints, acceleration=[1.0])
+
+
+def test_a_path_with_quaternions_is_timed(tmp_path: Path) -> None:
+    robot = rd.example("quadruped", floating_base=True)
+    waypoints = robot.random_configuration(3, seed=5)
+    waypoints[:, 7:] = 0.3 * waypoints[:, 7:] + np.tile([0.0, 0.5, -1.0], 4)
+    free = np.full(robot.nv, np.inf)
+    path = robot.time_optimal(waypoints, torque=free, velocity=[1.0] * robot.nv, acceleration=[4.0] * robot.nv)
+    assert 0.9 < path.largest_use < 1.01 and np.abs(path.v).max() <= 1.01 and np.abs(path.a).max() <= 4.04
+    assert_allclose(path.q[0], waypoints[0], rtol=0, atol=1e-12)
+    assert_allclose(np.linalg.norm(path.q[:, 3:7], axis=1), 1.0, rtol=0, atol=1e-12)
+    # The body velocity is the displacement between samples; its error is of second order in the period.
+    period = path.times[1]
+    for k in range(100, 400, 37):
+        moved = robot.difference(path.q[k - 1], path.q[k + 1]) / (2.0 * period)
+        assert_allclose(moved, path.v[k], rtol=0, atol=0.02)
+    path.write(tmp_path / "motion.csv")
+    assert (tmp_path / "motion.csv").read_text().startswith("time,q.floating_base.x,")
+    with pytest.raises(rd.PlanningError, match="quaternions"):
+        path.to_ros_json()
 
 
 def test_a_timed_path_is_written_in_four_formats(tmp_path: Path) -> None:

@@ -167,7 +167,8 @@ impl OnlineMotion {
     ///
     /// The meeting is at a time T at which the duration to q + v T + ½ a T² is T. It exists if the target is
     /// slower than the limits, and is found by doubling and bisection. For a target that is measured in each
-    /// period, call this before each step.
+    /// period, call this before each step. All coordinates meet it at the same time. Near the target,
+    /// rounding can therefore send one of them on a short detour within the limits.
     ///
     /// ```
     /// use robot_dynamics::control::online_motion::{OnlineLimits, OnlineMotion};

@@ -3,8 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::control::joint_trajectory::{JointTrajectory, JointTrajectoryPoint};
+use robot_dynamics::control::time_parameterization::ConfigurationSpline;
 use robot_dynamics::control::{
-    Collocation, CubicSpline, MotionLimits, ParameterizationError, TimeOptimal, limit_utilization,
+    Collocation, CubicSpline, MotionLimits, ParameterizationError, TimeOptimal, TreePath, limit_utilization,
     time_optimal,
 };
 use robot_dynamics::model::Model;
@@ -32,30 +33,44 @@ impl Robot {
         let rows = waypoint_rows(py, self, waypoints)?;
         let limits = limits_of(py, self, limits)?;
         check_waypoints(py, model, &rows, &limits)?;
-        let path = CubicSpline::through(&rows).map_err(exception_of::<ParameterizationError>)?;
         let mut options = match intervals {
-            Some(intervals) => TimeOptimal::from_rest_to_rest(limits.clone(), intervals.max(1)),
-            None => TimeOptimal::new(limits.clone()),
+            Some(intervals) => TimeOptimal::from_rest_to_rest(limits, intervals.max(1)),
+            None => TimeOptimal::new(limits),
         };
         (options.start_speed, options.end_speed) = speeds;
         options.collocation = if both_ends { Collocation::BothEnds } else { Collocation::Start };
-        let timed = py.detach(|| time_optimal(model, &path, &options)).map_err(exception)?;
-        let used = limit_utilization(model, &path, &timed, &limits, 4);
-        let trajectory =
-            timed.trajectory(model, &path, limits.dissipation, samples.max(2)).map_err(exception)?;
-        let record = sampled(py, &trajectory)?;
-        record.set_item("duration", timed.duration())?;
-        record.set_item("grid", array(py, timed.grid())?)?;
-        record.set_item("squared_speeds", array(py, timed.squared_speeds())?)?;
-        record.set_item("saturated", used.saturated)?;
-        record.set_item("largest_use", used.at_grid_points.max(used.in_between))?;
-        let tightest = used.tightest;
-        record.set_item(
-            "tightest",
-            (tightest.quantity.to_string(), &model.coordinate_names()[tightest.coordinate], tightest.s),
-        )?;
-        Ok(record)
+        if model.is_vector_space() {
+            let path = CubicSpline::through(&rows).map_err(exception_of::<ParameterizationError>)?;
+            return fastest(py, model, &path, &options, samples);
+        }
+        let path =
+            ConfigurationSpline::through(model, &rows).map_err(exception_of::<ParameterizationError>)?;
+        fastest(py, model, &path, &options, samples)
     }
+}
+
+/// The record of the fastest motion along a path.
+fn fastest<'py>(
+    py: Python<'py>,
+    model: &Model,
+    path: &(impl TreePath + Sync),
+    options: &TimeOptimal,
+    samples: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let limits = &options.limits;
+    let timed = py.detach(|| time_optimal(model, path, options)).map_err(exception)?;
+    let used = limit_utilization(model, path, &timed, limits, 4);
+    let trajectory = timed.trajectory(model, path, limits.dissipation, samples.max(2)).map_err(exception)?;
+    let record = sampled(py, &trajectory)?;
+    record.set_item("duration", timed.duration())?;
+    record.set_item("grid", array(py, timed.grid())?)?;
+    record.set_item("squared_speeds", array(py, timed.squared_speeds())?)?;
+    record.set_item("saturated", used.saturated)?;
+    record.set_item("largest_use", used.at_grid_points.max(used.in_between))?;
+    let tightest = used.tightest;
+    let coordinate = &model.coordinate_names()[tightest.coordinate];
+    record.set_item("tightest", (tightest.quantity.to_string(), coordinate, tightest.s))?;
+    Ok(record)
 }
 
 /// The text of a motion: `format` is `csv`, `json` or `yaml`, the last two of a ROS message.
@@ -90,17 +105,9 @@ pub(crate) fn _trajectory_text(
     text.map_err(exception_of::<ParameterizationError>)
 }
 
-/// The waypoints (points, nq) of a robot whose configurations are vectors.
+/// The waypoints (points, nq).
 fn waypoint_rows(py: Python<'_>, robot: &Robot, waypoints: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<f64>>> {
-    let model = &robot.model;
-    if !model.is_vector_space() {
-        let message = format!(
-            "robot `{}` has quaternions, between which no spline of numbers passes; paths are of robots with nq = nv",
-            model.name()
-        );
-        return Err(Class::Planning.error(py, message));
-    }
-    let (shape, points) = shaped(py, "waypoints", waypoints, &[usize::MAX, model.nq()])?;
+    let (shape, points) = shaped(py, "waypoints", waypoints, &[usize::MAX, robot.model.nq()])?;
     Ok(points.chunks_exact(shape[1].max(1)).map(<[f64]>::to_vec).collect())
 }
 
