@@ -165,10 +165,9 @@ impl OnlineMotion {
 
     /// Sets a target that moves on with this v and a. The motion meets it and then stays on it.
     ///
-    /// The meeting is at a time T at which the duration to q + v T + ½ a T² is T. It exists if the target is
-    /// slower than the limits, and is found by doubling and bisection. For a target that is measured in each
-    /// period, call this before each step. All coordinates meet it at the same time. Near the target,
-    /// rounding can therefore send one of them on a short detour within the limits.
+    /// The meeting is at a time T at which a motion of duration T leads to q + v T + ½ a T². It exists if the
+    /// target is slower than the limits, and is found by doubling and bisection. For a target that is
+    /// measured in each period, call this before each step. All coordinates meet it at the same time.
     ///
     /// ```
     /// use robot_dynamics::control::online_motion::{OnlineLimits, OnlineMotion};
@@ -191,38 +190,50 @@ impl OnlineMotion {
         self.set_target(q, v, a)?;
         let goal = [q, v, a];
         let (mut early, mut late) = (0.0, self.period);
-        if self.duration_to(goal, 0.0)? <= MEETING {
+        if self.meets(goal, 0.0) {
             return Ok(());
         }
         for _doubling in 0..MOST_DOUBLINGS {
-            if self.duration_to(goal, late)? <= late {
+            if self.meets(goal, late) {
                 break;
             }
             (early, late) = (late, 2.0 * late);
         }
         while late - early > MEETING {
             let middle = 0.5 * (early + late);
-            *(if self.duration_to(goal, middle)? <= middle { &mut late } else { &mut early }) = middle;
+            *(if self.meets(goal, middle) { &mut late } else { &mut early }) = middle;
         }
-        self.duration_to(goal, late)?;
-        // Without a minimum the motion would arrive before the target.
-        (self.time, self.input.minimum_duration) = (None, Some(late));
-        self.plan()?;
-        self.input.minimum_duration = None;
-        Ok(())
+        let planned = self.aim(goal, late).and_then(|()| self.plan_for(late));
+        if planned.is_err() {
+            self.aim(goal, 0.0)?;
+        }
+        planned.map(|_duration| ())
     }
 
-    /// The duration to the place of a moving target after the time t, which becomes the target.
-    fn duration_to(&mut self, [q, v, a]: [&[f64]; 3], t: f64) -> Result<f64, OnlineMotionError> {
+    /// Whether the motion to the place of a moving target after the time t can take that time. A target that
+    /// leaves its limits until then counts as met, so that the search goes on at earlier times.
+    fn meets(&mut self, goal: [&[f64]; 3], t: f64) -> bool {
+        self.aim(goal, t).is_err() || self.plan_for(t).is_ok_and(|duration| duration <= t + MEETING)
+    }
+
+    /// Makes the place of a moving target after the time t the target.
+    fn aim(&mut self, [q, v, a]: [&[f64]; 3], t: f64) -> Result<(), OnlineMotionError> {
+        self.time = None;
         let input = &mut self.input;
         for k in 0..q.len() {
             input.target_position[k] = q[k] + t * (v[k] + 0.5 * t * a[k]);
             input.target_velocity[k] = v[k] + t * a[k];
         }
         let target: [&[f64]; 3] = [&input.target_position, &input.target_velocity, a];
-        self.limits.check_target(&self.names, target)?;
-        self.time = None;
-        self.plan()
+        self.limits.check_target(&self.names, target)
+    }
+
+    /// The duration of the motion to the target that takes at least the time t.
+    fn plan_for(&mut self, t: f64) -> Result<f64, OnlineMotionError> {
+        self.input.minimum_duration = (t > 0.0).then_some(t);
+        let planned = self.plan();
+        self.input.minimum_duration = None;
+        planned
     }
 
     /// Computes the motion from the state to the target, if it is not computed yet, and returns its remaining

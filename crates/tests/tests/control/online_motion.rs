@@ -128,6 +128,42 @@ fn moving_target_is_followed_at_control_rate() -> Tested {
     Ok(())
 }
 
+/// Seven coordinates that meet a moving target together stay on it, and do not leave it again.
+#[test]
+fn coordinates_stay_on_a_moving_target() -> Tested {
+    let (model, period) = (robot(7), 1e-3);
+    let limits = OnlineLimits::new(vec![2.0; 7], vec![8.0; 7], vec![200.0; 7]);
+    let mut motion = OnlineMotion::new(&model, limits, period)?;
+    let random = &mut SplitMix64::new(5);
+    let mut draw = |range: f64| -> Vec<f64> { (0..7).map(|_| random.uniform(-range, range)).collect() };
+    let (start, v, rest) = (draw(1.5), draw(0.7), [0.0; 7]);
+    motion.set_state(&draw(1.5), &draw(1.0), &rest)?;
+    for step in 0..4000 {
+        let t = f64::from(step) * period;
+        let at = |t: f64| -> Vec<f64> { start.iter().zip(&v).map(|(q, v)| q + v * t).collect() };
+        motion.follow_target(&at(t), &v, &rest)?;
+        motion.step()?;
+        // 3 rad take less than 2.5 s at 2 rad/s and 8 rad/s².
+        if step > 2500 {
+            let away = crate::common::max_difference(motion.q(), &at(t + period));
+            assert!(away < 1e-5, "{t}: {away}");
+            assert!(crate::common::max_difference(motion.v(), &v) < 1e-2, "{t}: {:?}", motion.v());
+        }
+    }
+    // A target that is met before it leaves its range is followed, whatever comes later.
+    let mut limits = OnlineLimits::new(vec![2.0; 7], vec![8.0; 7], vec![200.0; 7]);
+    limits.upper = vec![0.55; 7];
+    let mut motion = OnlineMotion::new(&model, limits, period)?;
+    motion.follow_target(&[0.0; 7], &[0.5; 7], &rest)?;
+    assert!(motion.plan()? < 1.0);
+    let gone = motion.follow_target(&[0.5; 7], &[0.5; 7], &rest);
+    assert!(
+        matches!(gone, Err(OnlineMotionError::TargetBeyondLimit { quantity: "position", .. })),
+        "{gone:?}"
+    );
+    Ok(())
+}
+
 /// A state beyond the limits of velocity returns within them; limits of position hold on the way.
 #[test]
 fn states_beyond_limits_return_within() -> Tested {
