@@ -152,6 +152,7 @@ impl Stepper for ActuatedStepper {
             stages: (stages, h),
             evaluated: (0..stages.len()).filter(|&at| Stage::needs_acceleration(stages, at)),
             driven,
+            external: forces.tau,
             dissipation: forces.dissipation,
             force,
         };
@@ -214,6 +215,7 @@ impl Stepper for ActuatedStepper {
             add_scaled(mean_forces, weight, memory.actuator_forces());
             add_scaled(mean_torques, weight, force);
             self.actuation.add_unstored(memory, force);
+            add_scaled(force, 1.0, forces.tau);
             input += weight * force.iter().zip(v).map(|(tau, v)| tau * v).sum::<f64>();
             lost += weight * self.actuation.dissipated_power(model, memory, q, v);
             if forces.dissipation {
@@ -247,6 +249,8 @@ struct ActuatedTree<'a, I> {
     /// Scratch for the driving forces, and for these minus b(v).
     driven: &'a mut [f64],
     force: &'a mut [f64],
+    /// The torques that are held over the step.
+    external: &'a [f64],
     /// Whether joint damping and friction act.
     dissipation: bool,
 }
@@ -271,6 +275,7 @@ impl<I: Iterator<Item = usize>> StageSystem<f64> for ActuatedTree<'_, I> {
         }
         actuation.forces(self.model, memory, u, q, v, self.driven);
         held.state_rates[stage * count..][..count].copy_from_slice(memory.state_rates());
+        add_scaled(self.driven, 1.0, self.external);
         let forces = StepForces::new(self.driven, self.dissipation);
         accelerate(self.model, self.workspace, &forces, self.force, (q, v), acceleration)
     }
