@@ -179,7 +179,9 @@ mod tests {
             let phi = direction * angle;
             let h = 1e-6;
             let at = |t: f64| Rotation3::new(phi + rate * t);
-            let spin = (at(h) * at(-h).inverse()).scaled_axis() / (2.0 * h);
+            let turn = (at(h) * at(-h).inverse()).into_inner();
+            let skew = (turn - turn.transpose()) / (4.0 * h);
+            let spin = Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)]);
             let (jacobian, change) = left_jacobian(phi, rate);
             assert!((jacobian * rate - spin).norm() < 1e-9, "{angle}");
             let difference =

@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 
 use robot_dynamics_core::{Model, check_configuration, check_vector};
-use robot_dynamics_description::check_length;
+use robot_dynamics_description::{ActuatorDescription, MotorLoad, check_length};
 use robot_dynamics_number::{InvalidInput, check_result};
 use robot_dynamics_simulation::{Actuation, ActuationWorkspace, AffineForces, ControllerError};
 
@@ -59,6 +59,8 @@ pub struct ControlAllocation<M> {
     gradient: Vec<f64>,
     bounds: ForceBounds,
     force: Vec<f64>,
+    /// ℓ̇ of each actuator.
+    speeds: Vec<f64>,
 }
 
 /// The rows f of the program.
@@ -98,6 +100,7 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
             gradient: zeros(),
             bounds: ForceBounds { identity, lower: zeros(), upper: zeros(), scales: zeros() },
             force: zeros(),
+            speeds: zeros(),
             model: robot,
         })
     }
@@ -133,6 +136,10 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
             constant: &mut self.constant,
         };
         self.actuation.affine_forces(model, &mut self.workspace, q, v, out);
+        self.speeds.fill(0.0);
+        for (row, v) in self.moments.chunks_exact(nu.max(1)).zip(v) {
+            self.speeds.iter_mut().zip(row).for_each(|(speed, moment)| *speed += moment * v);
+        }
         self.constant.iter_mut().zip(tau).for_each(|(constant, tau)| *constant = tau - *constant);
         self.find_forces()?;
         for k in 0..nu {
@@ -146,6 +153,40 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
             (row.iter().zip(&self.force).map(|(moment, force)| moment * force).sum::<f64>() - wanted).abs()
         };
         Ok(self.constant.iter().enumerate().map(missing).fold(0.0, f64::max))
+    }
+
+    /// f of the last call, one entry for each actuator \[N·m or N\], before gears.
+    pub fn forces(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// The operation of each actuator's electric motor at the forces and the speed of the last call, at
+    /// ambient temperature; `None` for an actuator without one.
+    ///
+    /// ```
+    /// use robot_dynamics::control::ControlAllocation;
+    /// use robot_dynamics::description::{ElectricMotor, MotorDrive, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let motor = ElectricMotor::from_data_sheet(1.2, 300.0, 24.0); // K = 0.08 N m/A, R = 1.6 Ω
+    /// robot.add_motor("hinge", &MotorDrive::new(motor, 100.0, 2e-5))?;
+    /// let model = Model::new(robot)?;
+    /// let mut allocation = ControlAllocation::new(&model)?;
+    /// // The torque of a motion by inverse dynamics, which includes the rotor's inertia:
+    /// let (q, v, a) = ([0.0], [1.0], [2.0]);
+    /// let tau = model.inverse_dynamics(&q, &v, &a)?;
+    /// let residual = allocation.controls(&q, &v, tau.as_slice(), &mut [0.0])?;
+    /// let load = allocation.motor_loads().next().flatten().expect("a motor");
+    /// assert!(residual < 1e-9 && (load.current - tau[0] / 100.0 / 0.08).abs() < 1e-9);
+    /// assert!((load.voltage - (1.6 * load.current + 0.08 * 100.0)).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn motor_loads(&self) -> impl Iterator<Item = Option<MotorLoad>> {
+        let actuators = &self.model.borrow().description().actuators;
+        let operation = |((actuator, force), speed): ((&ActuatorDescription, &f64), &f64)| {
+            actuator.motor.map(|motor| motor.load(*force, *speed, 0.0))
+        };
+        actuators.iter().zip(&self.force).zip(&self.speeds).map(operation)
     }
 
     /// f of the program, with `constant` as the torque that R f has to reach.

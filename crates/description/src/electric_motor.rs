@@ -17,6 +17,20 @@ pub struct ElectricMotor {
     /// The largest voltage of the controller \[V\]; infinite for an unlimited one.
     #[cfg_attr(feature = "serde", serde(with = "crate::joint::number_or_infinity"))]
     pub voltage_limit: f64,
+    /// The largest current of the controller \[A\]; infinite for an unlimited one. It bounds the requested
+    /// torque to ± K times this current.
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            default = "infinite",
+            skip_serializing_if = "is_infinite",
+            with = "crate::joint::number_or_infinity"
+        )
+    )]
+    pub current_limit: f64,
+    /// The reduction of the current limit of a hot winding. It needs a winding and a finite current limit.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub derating: Option<Derating>,
     /// The dynamics of the current, if it has inductance.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub current: Option<CurrentDynamics>,
@@ -26,6 +40,29 @@ pub struct ElectricMotor {
     /// The friction of its bearings and gears, which the bounds of f do not limit.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub friction: Option<BristleFriction>,
+}
+
+/// The protection of a winding: the current limit falls linearly from its whole at `start` to 0 at `end`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+pub struct Derating {
+    /// The temperature at which the current limit begins to fall \[°C\].
+    pub start: f64,
+    /// The temperature at which it is 0 \[°C\].
+    pub end: f64,
+}
+
+/// The operation of a motor at a torque and a speed without changes of its current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorLoad {
+    /// i \[A\].
+    pub current: f64,
+    /// V = R i + K ℓ̇ \[V\].
+    pub voltage: f64,
+    /// V i, the power that the motor takes \[W\]; negative where it brakes and returns power.
+    pub power: f64,
+    /// R i², the power that heats the winding \[W\].
+    pub heat: f64,
 }
 
 /// i̇ = ((V − K ℓ̇)/R − i)/T within bounds.
@@ -86,13 +123,86 @@ impl ElectricMotor {
     /// ```
     pub const fn new(resistance: f64, constant: f64) -> Self {
         let (current, winding, friction) = (None, None, None);
-        Self { resistance, constant, voltage_limit: f64::INFINITY, current, winding, friction }
+        let (voltage_limit, current_limit, derating) = (f64::INFINITY, f64::INFINITY, None);
+        Self { resistance, constant, voltage_limit, current_limit, derating, current, winding, friction }
+    }
+
+    /// A motor of a data sheet: its stall torque \[N·m\] and its speed without load \[rad/s\] at a voltage
+    /// \[V\], which is the largest one. K = V/ω₀ and R = K V/τ₀.
+    ///
+    /// ```
+    /// let motor = robot_dynamics::description::ElectricMotor::from_data_sheet(1.2, 300.0, 24.0);
+    /// let torque = |speed: f64| motor.constant * motor.steady_current(24.0, speed, 0.0);
+    /// assert!((torque(0.0) - 1.2).abs() < 1e-15 && torque(300.0).abs() < 1e-15);
+    /// assert!((torque(150.0) - 0.6).abs() < 1e-15); // the torque-speed line
+    /// ```
+    pub fn from_data_sheet(stall_torque: f64, no_load_speed: f64, voltage: f64) -> Self {
+        let constant = voltage / no_load_speed;
+        Self { voltage_limit: voltage, ..Self::new(constant * voltage / stall_torque, constant) }
+    }
+
+    /// The bounds on the torque that a controller requests, at a rise of the temperature above the ambient
+    /// one \[N·m\]: ± K times the current limit, reduced in a hot winding.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Derating, ElectricMotor, WindingTemperature};
+    /// let mut motor = ElectricMotor::new(2.0, 0.1);
+    /// motor.current_limit = 5.0;
+    /// motor.derating = Some(Derating { start: 100.0, end: 120.0 });
+    /// let (resistance, capacity) = (1.0, 1.0);
+    /// let (coefficient, reference, ambient) = (0.004, 20.0, 25.0);
+    /// motor.winding = Some(WindingTemperature { resistance, capacity, coefficient, reference, ambient });
+    /// assert_eq!(motor.torque_limit(50.0), 0.5);
+    /// assert!((motor.torque_limit(80.0) - 0.375).abs() < 1e-15); // at 105 °C
+    /// assert_eq!(motor.torque_limit(100.0), 0.0);
+    /// ```
+    pub fn torque_limit(&self, rise: f64) -> f64 {
+        let share = match (self.derating, self.winding) {
+            (Some(Derating { start, end }), Some(winding)) => {
+                ((end - rise - winding.ambient) / (end - start)).clamp(0.0, 1.0)
+            }
+            _ => 1.0,
+        };
+        if share > 0.0 { share * self.constant * self.current_limit } else { 0.0 }
+    }
+
+    /// The bounds on the torque without a change of the current, at a speed of the shaft and a rise of the
+    /// temperature \[N·m\]: those of the current limit and of the voltage limit.
+    ///
+    /// ```
+    /// let mut motor = robot_dynamics::description::ElectricMotor::from_data_sheet(1.2, 300.0, 24.0);
+    /// motor.current_limit = 10.0; // 0.8 N m
+    /// let [lower, upper] = motor.torque_range(150.0, 0.0);
+    /// assert!((upper - 0.6).abs() < 1e-15 && (lower + 0.8).abs() < 1e-15);
+    /// ```
+    pub fn torque_range(&self, velocity: f64, rise: f64) -> [f64; 2] {
+        let by_current = self.torque_limit(rise);
+        [-1.0, 1.0].map(|side| {
+            let voltage = side * self.voltage_limit;
+            let by_voltage = self.constant * self.steady_current(voltage, velocity, rise);
+            by_voltage.clamp(-by_current, by_current)
+        })
+    }
+
+    /// The operation at a torque and a speed of the shaft, at a rise of the temperature.
+    ///
+    /// ```
+    /// let motor = robot_dynamics::description::ElectricMotor::new(2.0, 0.1);
+    /// let load = motor.load(0.3, 50.0, 0.0);
+    /// assert!((load.current - 3.0).abs() < 1e-15 && (load.voltage - (6.0 + 5.0)).abs() < 1e-14);
+    /// assert!((load.power - load.heat - 0.3 * 50.0).abs() < 1e-12); // the rest is mechanical
+    /// ```
+    pub fn load(&self, torque: f64, velocity: f64, rise: f64) -> MotorLoad {
+        let current = torque / self.constant;
+        let resistance = self.resistance_at(rise);
+        let voltage = resistance * current + self.constant * velocity;
+        MotorLoad { current, voltage, power: voltage * current, heat: resistance * current * current }
     }
 
     /// Whether it has effects beyond f = K/R·V − K²/R ℓ̇.
     pub fn is_plain(&self) -> bool {
         let has_state = self.current.is_some() || self.winding.is_some() || self.friction.is_some();
-        self.voltage_limit == f64::INFINITY && !has_state
+        self.voltage_limit == f64::INFINITY && self.current_limit == f64::INFINITY && !has_state
     }
 
     /// R for a rise of the temperature above the ambient one \[Ω\].
@@ -197,4 +307,15 @@ impl BristleFriction {
         let integral = if decay > 0.0 { -(-decay * h).exp_m1() / decay } else { h };
         deflection * (-decay * h).exp() + integral * velocity
     }
+}
+
+#[cfg(feature = "serde")]
+fn infinite() -> f64 {
+    f64::INFINITY
+}
+
+#[cfg(feature = "serde")]
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
+fn is_infinite(limit: &f64) -> bool {
+    *limit == f64::INFINITY
 }

@@ -49,8 +49,10 @@ mod written_file;
 pub use activation::Activation;
 pub use actuator::{ActuatorDescription, Affine, Cogging, Transmission};
 pub use contact_pair::ContactPairDescription;
-pub use edit::{EditNote, moved_by};
-pub use electric_motor::{BristleFriction, CurrentDynamics, ElectricMotor, WindingTemperature};
+pub use edit::{EditNote, JointElasticity, MotorDrive, moved_by};
+pub use electric_motor::{
+    BristleFriction, CurrentDynamics, Derating, ElectricMotor, MotorLoad, WindingTemperature,
+};
 pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, similar, unknown_name};
 pub use finding_group::FindingGroup;

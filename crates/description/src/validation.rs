@@ -12,6 +12,7 @@ mod tendons;
 mod tree;
 
 use self::actuators::check_actuators;
+pub(crate) use self::actuators::check_motor;
 pub(crate) use self::checks::check_pose;
 use self::checks::{check, index_names};
 use self::equalities::check_equalities;

@@ -74,17 +74,18 @@ pub use writer::{Format, write};
 pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, BristleFriction, Cogging, ContactPairDescription,
-        Coordinate, CoordinateKind, CurrentDynamics, Disposition, EARTH_GRAVITY, EditNote, ElectricMotor,
-        Elevation, EndEffectorDescription, Equality, EqualityDescription, FLOATING_BASE, Finding,
-        FindingGroup, FluidEllipsoid, FluidForm, FluidShape, FrameDescription, GroupDescription,
-        InertiaError, IntegralAction, JointDescription, JointKind, JointKinds, JointSolverImpedance, Limits,
-        LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties, Medium, Mimic, ModelError, Mount,
-        Muscle, NamedPose, Object, PassiveForces, PolynomialStiffnessDamping, Pose, PoseSpring,
-        PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia,
-        Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole, SolverImpedance,
-        SpatialTendonDescription, Surface, SurfaceVelocity, TendonDescription, TendonPathElement,
-        TendonSolverImpedance, TendonSurface, Transmission, UnsupportedFeature, WindingTemperature,
-        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        Coordinate, CoordinateKind, CurrentDynamics, Derating, Disposition, EARTH_GRAVITY, EditNote,
+        ElectricMotor, Elevation, EndEffectorDescription, Equality, EqualityDescription, FLOATING_BASE,
+        Finding, FindingGroup, FluidEllipsoid, FluidForm, FluidShape, FrameDescription, GroupDescription,
+        InertiaError, IntegralAction, JointDescription, JointElasticity, JointKind, JointKinds,
+        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadCounts, LoadReport, MassProperties,
+        Medium, Mimic, ModelError, MotorDrive, MotorLoad, Mount, Muscle, NamedPose, Object, PassiveForces,
+        PolynomialStiffnessDamping, Pose, PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions,
+        RefusedFile, RobotDescription, RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject,
+        Severity, Shape, ShapeRole, SolverImpedance, SpatialTendonDescription, Surface, SurfaceVelocity,
+        TendonDescription, TendonPathElement, TendonSolverImpedance, TendonSurface, Transmission,
+        UnsupportedFeature, WindingTemperature, WrittenFile, parallel_axis, parallel_axis_planar, pendulum,
+        random_robot,
     };
 }
 
@@ -190,11 +191,12 @@ pub mod simulation {
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
         Actuation, ActuationDerivatives, ActuationWorkspace, AffineForces, CallbackError, ConstantTorque,
-        Controller, ControllerError, DivergenceCause, Event, EventOccurrence, FluidForces, FluidWorkspace,
-        GravityAt, GravityCompensatedPd, ImplicitGains, ImplicitIntegrator, IntoCallbackResult, Losses,
-        MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs, SensorMemory, SensorSet,
-        StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace, StepWorkspace, Stepper,
-        Trajectory, WithImplicitGains, ZeroTorque, energy_account, record_step, step, step_stages, steps_in,
+        Controller, ControllerError, Delayed, DivergenceCause, Event, EventOccurrence, FluidForces,
+        FluidWorkspace, GravityAt, GravityCompensatedPd, ImplicitGains, ImplicitIntegrator,
+        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
+        SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace,
+        StepWorkspace, Stepper, Trajectory, WithImplicitGains, ZeroTorque, energy_account, record_step, step,
+        step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{

@@ -72,9 +72,9 @@ pub use motion::pullback::{
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, ControlTiming, StepStatistics};
 pub use motion::simulate::{
-    CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event, EventOccurrence,
-    GravityAt, GravityCompensatedPd, ImplicitGains, IntoCallbackResult, Losses, Run, RunError, RunFailure,
-    Sample, StateTransition, StepError, StepInfo, Stepper, Trajectory, WithImplicitGains, ZeroTorque,
-    energy_account, record_step, steps_in,
+    CallbackError, ConstantTorque, Controller, ControllerError, Delayed, DivergenceCause, Event,
+    EventOccurrence, GravityAt, GravityCompensatedPd, ImplicitGains, IntoCallbackResult, Losses, Run,
+    RunError, RunFailure, Sample, StateTransition, StepError, StepInfo, Stepper, Trajectory,
+    WithImplicitGains, ZeroTorque, energy_account, record_step, steps_in,
 };
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

@@ -78,7 +78,7 @@ impl RobotDescription {
     }
 
     /// Rejects the name of a link or of a frame.
-    fn check_place_name(&self, sort: &'static str, name: &str) -> Result<(), ModelError> {
+    pub(super) fn check_place_name(&self, sort: &'static str, name: &str) -> Result<(), ModelError> {
         let is_taken = self.links.iter().any(|link| link.name == name)
             || self.frames.iter().chain(&self.equality_frames()).any(|frame| frame.name == name);
         if is_taken { Err(ModelError::DuplicateName { sort, name: name.to_owned() }) } else { Ok(()) }

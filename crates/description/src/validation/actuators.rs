@@ -2,9 +2,11 @@
 
 use super::checks::{check, check_range, index_names, unknown};
 use super::names::Names;
+use robot_dynamics_number::InvalidInput;
+
 use crate::{
-    Activation, ActuatorDescription, BristleFriction, Cogging, CurrentDynamics, ElectricMotor, JointKind,
-    ModelError, Muscle, RobotDescription, Transmission,
+    Activation, ActuatorDescription, BristleFriction, Cogging, CurrentDynamics, Derating, ElectricMotor,
+    JointKind, ModelError, Muscle, RobotDescription, Transmission,
 };
 
 const NOT_A_LEADER: &str =
@@ -120,13 +122,23 @@ fn check_activation(owner: &str, activation: &Activation) -> Result<(), ModelErr
     }
 }
 
-fn check_motor(owner: &str, motor: &ElectricMotor) -> Result<(), ModelError> {
+pub(crate) fn check_motor(owner: &str, motor: &ElectricMotor) -> Result<(), ModelError> {
     let positive = |quantity, value: f64| {
         check(value > 0.0 && value.is_finite(), owner, quantity, value, "positive and finite")
     };
     positive("resistance", motor.resistance)?;
     positive("motor constant", motor.constant)?;
     check(motor.voltage_limit > 0.0, owner, "voltage limit", motor.voltage_limit, "positive")?;
+    check(motor.current_limit > 0.0, owner, "current limit", motor.current_limit, "positive")?;
+    if let Some(Derating { start, end }) = motor.derating {
+        let is_finite = start.is_finite() && end.is_finite();
+        check(is_finite && start < end, owner, "end of the derating", end, "above its start")?;
+        let limit = motor.current_limit;
+        check(limit.is_finite(), owner, "current limit with derating", limit, "finite")?;
+        if motor.winding.is_none() {
+            return Err(InvalidInput::unmet(format!("the derating of {owner}"), "needs a winding").into());
+        }
+    }
     if let Some(CurrentDynamics { time_constant, rate_limit }) = motor.current {
         positive("time constant of the current", time_constant)?;
         check(rate_limit > 0.0, owner, "limit of the rate of the current", rate_limit, "positive")?;

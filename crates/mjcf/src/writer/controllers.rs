@@ -114,6 +114,9 @@ impl Controller {
         if lower != -upper || parts.iter().any(|(_, own)| own.control_range != first.control_range) {
             return Err("a <dcmotor> has one range of its inputs, and a force with opposite bounds");
         }
+        if first.motor.is_some_and(|motor| motor.current_limit.is_finite()) {
+            return Err("a <dcmotor> has no limit of the current that its controller requests");
+        }
         let (constant, resistance) = match of_voltage {
             _ if first.motor.is_some() => {
                 first.motor.map_or((1.0, 1.0), |motor| (motor.constant, motor.resistance))

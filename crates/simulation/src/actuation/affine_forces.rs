@@ -26,13 +26,14 @@ pub struct AffineForces<'a> {
 
 impl Actuation {
     /// Checks that every actuator's force is an affine function of its control, or of its activation at rest.
+    /// The force of an electric motor is the torque that its controller requests.
     ///
     /// # Errors
-    /// [`InvalidInput`] with the first actuator with an electric motor or an integral term, one that adds to
-    /// another, one that integrates its control, and one that pulls at contacts.
+    /// [`InvalidInput`] with the first actuator that has an integral term, takes a voltage at the terminals
+    /// of its motor, adds to another, integrates its control, or pulls at contacts.
     pub fn check_affine(&self) -> Result<(), InvalidInput> {
         let problem = |actuator: &ActuatorDescription, drive: &Drive| match actuator {
-            own if own.motor.is_some() => Some("has an electric motor, whose force has states"),
+            own if own.at_terminals => Some("takes the voltage at the terminals of a motor"),
             own if own.integral.is_some() => Some("has an integral term"),
             own if own.adds_to.is_some() => Some("adds to another actuator"),
             own if own.activation == Activation::Integrator => Some("integrates its control"),
@@ -49,7 +50,9 @@ impl Actuation {
     }
 
     /// Writes the affine functions at (q, v), for actuators that pass [`check_affine`](Self::check_affine). The
-    /// bounds that joints and tendons put on the sum of several actuators are left out.
+    /// bounds of an electric motor are those of its current and voltage at this speed and at ambient
+    /// temperature, without changes of its current and without its friction. The bounds that joints and
+    /// tendons put on the sum of several actuators are left out.
     ///
     /// ```
     /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
@@ -108,6 +111,10 @@ impl Actuation {
             gains[k] = actuator.unbounded_force(1.0, length, rate) - offsets[k];
             workspace.cogging[k] = actuator.cogging.map_or(0.0, |cogging| cogging.torque(length));
             ranges[k] = force_range(actuator, gains[k], offsets[k]);
+            if let Some(motor) = &actuator.motor {
+                let range = motor.torque_range(rate, 0.0);
+                ranges[k] = ranges[k].map(|end| within(end, range));
+            }
         }
         self.carry(workspace, q);
         constant.fill(0.0);

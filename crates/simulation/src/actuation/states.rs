@@ -79,9 +79,10 @@ impl Actuation {
                 set(rates, places.integral, integral.rate(input.error, value));
             }
             let Some(motor) = &actuator.motor else { continue };
-            let request = (!actuator.at_terminals).then_some(forces[k]);
-            let terminals = motor.resistance / motor.constant * input.terminals;
             let (rise, velocity) = (at(places.temperature).unwrap_or(0.0), input.velocity);
+            let limit = motor.torque_limit(rise);
+            let request = (!actuator.at_terminals).then(|| within(forces[k], [-limit, limit]));
+            let terminals = motor.resistance / motor.constant * input.terminals;
             let voltage = motor.voltage(request, terminals, velocity);
             input.steady = motor.steady_current(voltage, velocity, rise);
             let current = match motor.current {

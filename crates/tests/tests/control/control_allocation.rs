@@ -4,7 +4,7 @@ use std::error::Error;
 
 use robot_dynamics::control::ControlAllocation;
 use robot_dynamics::description::{
-    ActuatorDescription, Base, ElectricMotor, JointKinds, RandomRobotOptions, RobotDescription,
+    ActuatorDescription, Base, IntegralAction, JointKinds, RandomRobotOptions, RobotDescription,
     TendonDescription, Transmission, random_robot,
 };
 use robot_dynamics::model::{Model, RandomState, random_state};
@@ -119,7 +119,7 @@ fn other_actuators_are_refused() -> Tested {
         &mut controls,
     )?;
     assert!((controls[0] - 0.5).abs() < 1e-12 && (residual - 3.0).abs() < 1e-12);
-    robot.actuators[0].motor = Some(ElectricMotor::new(1.0, 0.1));
+    robot.actuators[0].integral = Some(IntegralAction { gain: 1.0, limit: 1.0 });
     let error = ControlAllocation::new(&Model::new(robot)?).map(drop).unwrap_err().to_string();
     assert!(error.contains("`motor`"), "{error}");
     Ok(())
