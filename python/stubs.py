@@ -244,6 +244,15 @@ OF_CALL = {
     ("ImpedanceControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("ImpedanceControl", "sensor"): "str | int | None",
     ("ImpedanceControl", "wrench"): "Numbers | Callable[[float], Numbers] | None",
+    ("Delayed", "delay"): "float",
+    ("Delayed", "law"): "Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers]",
+    ("_with_elastic_joint", "backlash"): "float",
+    ("_with_elastic_joint", "damping"): "float",
+    ("_with_elastic_joint", "joint"): "str",
+    ("_with_elastic_joint", "stiffness"): "float",
+    ("_with_motor", "drive"): "tuple[float, float]",
+    ("_with_motor", "joint"): "str",
+    ("_with_motor", "motor"): "tuple[float, float, float, float, float | None, tuple[float, float, float, float, float] | None, tuple[float, float] | None]",
     ("ImplicitGains", "law"): "Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers]",
     ("ImplicitGains", "period"): "float",
     ("MomentumObserver", "thresholds"): "Numbers | None",
@@ -286,6 +295,9 @@ OF_CALL = {
 
 # Results that are not arrays of the arguments' type.
 RETURNS = {
+    "_with_elastic_joint": "tuple[str, list[str]]",
+    "_with_motor": "str",
+    "motor_loads": "NDArray[np.float64]",
     "controls": "tuple[NDArray[np.float64], float]",
     "reset": "None",
     "update": "NDArray[np.float64]",

@@ -23,6 +23,7 @@ from robot_dynamics._native import (
     ComputedTorque,
     Constraints,
     ControlAllocation,
+    Delayed,
     GravityCompensatedPd,
     ImpedanceControl,
     ImplicitGains,
@@ -39,6 +40,7 @@ from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.conventions import MujocoState, PinocchioState, RobotState
+from robot_dynamics.drives import Winding
 from robot_dynamics.edits import EditedRobot
 from robot_dynamics.errors import (
     BadSimulationsError,
@@ -109,6 +111,7 @@ __all__ = [
     "DTypeError",
     "DescriptionError",
     "DissipationPullback",
+    "Delayed",
     "Dlqr",
     "EditedRobot",
     "EndEffector",
@@ -181,6 +184,7 @@ __all__ = [
     "TaskSolutions",
     "TimedPath",
     "UnsupportedFeature",
+    "Winding",
     "dlqr",
     "example",
     "load",

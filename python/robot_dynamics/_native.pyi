@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -282,9 +282,9 @@ class Constraints:
 class ControlAllocation:
     """Controls of a robot's actuators whose joint torque is nearest to a given one.
 
-    It minimizes ‖R f + c − τ‖² with f = diag(g) u + o, within the bounds of f and u. Redundant actuators share
-    the torque with the least sum of squares of f. With τ = g(q) this is gravity compensation through gears,
-    tendons and frames.
+    It minimizes ‖R f + c − τ‖² with f = diag(g) u + o, within the bounds of f and u. Redundant actuators
+    share the torque with the least sum of squares of f. With τ = g(q) this is gravity compensation through
+    gears, tendons and frames.
 
     Parameters
     ----------
@@ -331,6 +331,49 @@ class ControlAllocation:
         StateError
             A number is not finite, or q is not a configuration.
         """
+    def motor_loads(self) -> NDArray[np.float64]:
+        """Operation of the electric motors at the torque and the speed of the last call of `controls`.
+
+        The winding is at ambient temperature, and the current does not change.
+
+        Returns
+        -------
+        ndarray, shape (actuators, 4)
+            Current [A], voltage [V], power that the motor takes [W], and the part of it that heats the winding
+            [W]; NaN for an actuator without a motor.
+        """
+
+@final
+class Delayed:
+    """A law whose torque acts after a delay, as through a bus or a computer.
+
+    τ(t) is the torque of the law's last call at or before t − d, and 0 until the first torque arrives. It is a
+    torque of `simulate`, which calls it at every step.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    law : function or controller
+        Function of (t, q, v) that returns τ (nv,), or a controller of this package.
+    delay : float
+        d [s].
+
+    Raises
+    ------
+    ControlError
+        The delay is not positive.
+
+    Examples
+    --------
+
+    >>> robot = rd.example("two_r")
+    >>> late = rd.Delayed(robot, lambda t, q, v: [1.0, 0.0], 0.05)
+    >>> motion = robot.simulate([0.0, 0.0], tau=late, duration=0.1, dt=0.01)
+    >>> motion.tau[:, 0].tolist()
+    [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    """
+    def __new__(cls, robot: Robot, law: Callable[[float, NDArray[np.float64], NDArray[np.float64]], Numbers], delay: float) -> Self: ...
 
 @final
 class GravityCompensatedPd:
@@ -457,10 +500,11 @@ class ImpedanceControl:
 class ImplicitGains:
     """Makes a law of one's own stable at any stiffness: its gains act at the end of the control period.
 
-    With τ₀ of the law at (q, v) and its gains K = −∂τ/∂q and D = −∂τ/∂v, τ = τ₀ − K h (v + h a) − D h a, where
-    (M + h D + h² K) a = τ₀ − C v − g − h K v. A robot that is held by τ for h moves as under the linearly
-    implicit Euler method. (Tan, Liu, Turk 2011) The controller is a function of (t, q, v), for `simulate` and
-    for steps of `Simulation`.
+    The law's torque at (q, v) is τ₀, and its gains are K = −∂τ/∂q and D = −∂τ/∂v. The result is
+    τ = τ₀ − K h (v + h a) − D h a, with a from (M + h D + h² K) a = τ₀ − C v − g − h K v.
+
+    A robot that is held by τ for h moves as under the linearly implicit Euler method. (Tan, Liu, Turk 2011)
+    The controller is a function of (t, q, v), for `simulate` and for steps of `Simulation`.
 
     Parameters
     ----------
@@ -920,6 +964,8 @@ class Robot:
         """See `with_actuated_joints`."""
     def _with_attached(self, robot: Robot, parent: str, pose: Numbers, joint: _JointWords | None, prefix: str) -> tuple[str, list[str]]:
         """See `with_attached`."""
+    def _with_elastic_joint(self, joint: str, stiffness: float, damping: float, backlash: float) -> tuple[str, list[str]]:
+        """See `with_elastic_joint`."""
     def _with_fluid(self, density: float, viscosity: float, wind: _Three) -> str:
         """See `with_fluid`."""
     def _with_frame(self, name: str, parent: str, pose: Numbers) -> str:
@@ -932,6 +978,8 @@ class Robot:
         """See `with_link`."""
     def _with_mass_scaled(self, factor: float, link: str | None) -> str:
         """See `with_mass_scaled`."""
+    def _with_motor(self, joint: str, drive: tuple[float, float], motor: tuple[float, float, float, float, float | None, tuple[float, float, float, float, float] | None, tuple[float, float] | None]) -> str:
+        """See `with_motor`."""
     def _with_parameters(self, parameters: Numbers, as_written: bool) -> str:
         """See `with_parameters`."""
     def _with_payload(self, link: str, mass: float, center_of_mass: Numbers, inertia: Numbers | None) -> str:

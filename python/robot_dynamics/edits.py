@@ -242,7 +242,7 @@ def with_root(robot: Robot, link: str) -> EditedRobot:
     >>> standing.joints[0].child_link == foot
     True
     """
-    return _noted(robot, robot._with_root(link))
+    return noted(robot, robot._with_root(link))
 
 
 def without_joint(robot: Robot, joint: str) -> EditedRobot:
@@ -271,7 +271,7 @@ def without_joint(robot: Robot, joint: str) -> EditedRobot:
     >>> rd.example("two_r").without_joint("elbow")
     EditedRobot(robot=<Robot 'two_r': 1 degree of freedom, 2.00 kg>, notes=())
     """
-    return _noted(robot, robot._without_joint(joint))
+    return noted(robot, robot._without_joint(joint))
 
 
 def without_equality(robot: Robot, equality: str) -> EditedRobot:
@@ -300,7 +300,7 @@ def without_equality(robot: Robot, equality: str) -> EditedRobot:
     ...     print(error)
     the robot has no equality `loop`, nor any other equality
     """
-    return _noted(robot, robot._without_equality(equality))
+    return noted(robot, robot._without_equality(equality))
 
 
 def with_attached(
@@ -357,7 +357,7 @@ def with_attached(
     9
     """
     words = None if joint is None else joint_words(joint, axis, second_axis, pitch)
-    return _noted(robot, robot._with_attached(other, on, pose(at), words, prefix))
+    return noted(robot, robot._with_attached(other, on, pose(at), words, prefix))
 
 
 def with_subtree_replaced(robot: Robot, joint: str, other: Robot, prefix: str = "") -> EditedRobot:
@@ -391,7 +391,7 @@ def with_subtree_replaced(robot: Robot, joint: str, other: Robot, prefix: str = 
     >>> other.joint_names[-2:]
     ('new_shoulder', 'new_elbow')
     """
-    return _noted(robot, robot._with_subtree_replaced(joint, other, prefix))
+    return noted(robot, robot._with_subtree_replaced(joint, other, prefix))
 
 
 def pose(at: Numbers) -> NDArray[np.float64]:
@@ -421,6 +421,6 @@ def three(numbers: Numbers, name: str) -> list[float]:
     return [float(x) for x in given]
 
 
-def _noted(robot: Robot, result: tuple[str, list[str]]) -> EditedRobot:
+def noted(robot: Robot, result: tuple[str, list[str]]) -> EditedRobot:
     state, notes = result
     return EditedRobot(robot._edited(state), tuple(notes))

@@ -17,6 +17,7 @@ from robot_dynamics import (
     checks,
     control,
     conventions,
+    drives,
     edits,
     files,
     identification,
@@ -636,6 +637,8 @@ class Robot(_native.Robot):
     without_equality = edits.without_equality
     with_attached = edits.with_attached
     with_subtree_replaced = edits.with_subtree_replaced
+    with_motor = drives.with_motor
+    with_elastic_joint = drives.with_elastic_joint
 
     # Files and generated code.
     to_text = files.to_text

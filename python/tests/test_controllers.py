@@ -302,3 +302,44 @@ def test_controls_of_actuators_give_a_torque() -> None:
     sim.step()
     a = (sim.v - v) / 1e-9
     assert_allclose(a, robot.forward_dynamics(q, v, tau), rtol=1e-5)
+
+
+def test_motors_and_elastic_joints() -> None:
+    rod = rd.example("two_r").with_gravity_scaled(0.0)
+    motor: dict[str, Any] = {"gear": 100.0, "rotor_inertia": 2e-5, "resistance": 1.6, "constant": 0.08}
+    driven = rod.with_motor("shoulder", **motor, voltage_limit=24.0, current_limit=6.0)
+    allocation = rd.ControlAllocation(driven)
+    tau = driven.inverse_dynamics([0.3, 0.1], [0.5, 0.0], [1.0, 0.0])
+    controls, _ = allocation.controls([0.3, 0.1], [0.5, 0.0], tau)
+    current, voltage, power, heat = allocation.motor_loads()[0]
+    assert current == pytest.approx(tau[0] / 100.0 / 0.08) and controls[0] == pytest.approx(0.08 * current)
+    assert voltage == pytest.approx(1.6 * current + 0.08 * 100.0 * 0.5)
+    assert power - heat == pytest.approx(tau[0] * 0.5)
+    sim = rd.Simulation(driven, dt=1e-4)
+    sim.controls = [10.0]
+    sim.step()
+    a = driven.forward_dynamics([0.0, 0.0], [0.0, 0.0], [100.0 * 0.08 * 6.0, 0.0])  # at the current limit
+    assert_allclose(sim.v, 1e-4 * a, rtol=1e-3)
+    hot = rod.with_motor("shoulder", **motor, current_limit=6.0, winding=rd.Winding(4.0, 20.0), derating=(80.0, 120.0))
+    assert hot.describe()["actuators"][0]["motor"]["derating"] == {"start": 80.0, "end": 120.0}
+
+    soft = driven.with_elastic_joint("shoulder", 1e4, 5.0, backlash=1e-3).robot
+    assert soft.joint_names == ("shoulder", "shoulder_elastic", "elbow")
+    assert soft.actuated_dofs.tolist() == [True, False, True]
+    with pytest.raises(rd.DescriptionError, match="armature"):
+        rod.with_elastic_joint("elbow", 100.0)
+    with pytest.raises(rd.DescriptionError, match="winding"):
+        rod.with_motor("shoulder", **motor, current_limit=6.0, derating=(80.0, 120.0))
+
+
+def test_torques_act_beside_tendons_in_explicit_steps() -> None:
+    robot = rd.loads(
+        """<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="a" axis="0 1 0" armature="0.1"/>
+        <geom size="0.1" pos="0.5 0 0" mass="2"/></body></worldbody>
+        <tendon><fixed name="t" stiffness="10"><joint joint="a" coef="1"/></fixed></tendon></mujoco>"""
+    )
+    for integrator in ("rk4", "implicit", "mujoco"):
+        sim = rd.Simulation(robot, dt=1e-4, integrator=integrator)
+        sim.torques = [1.2]
+        sim.step()
+        assert_allclose(sim.v, 1e-4 * robot.forward_dynamics([0.0], [0.0], [1.2]), rtol=1e-3, err_msg=integrator)

@@ -2,6 +2,7 @@
 //! function.
 
 mod computed_torque;
+mod delayed;
 mod frame_task;
 mod impedance;
 mod implicit_gains;
@@ -16,6 +17,7 @@ use self::law::Controls;
 use crate::robot::Robot;
 
 pub(crate) use self::computed_torque::ComputedTorque;
+pub(crate) use self::delayed::Delayed;
 pub(crate) use self::frame_task::pose_reference;
 pub(crate) use self::impedance::ImpedanceControl;
 pub(crate) use self::implicit_gains::ImplicitGains;
@@ -47,6 +49,13 @@ pub(crate) fn law_of<'a>(
         return match law_of(py, robot, gains.inner(py))? {
             Some(inner) => gains.around(inner, robot).map(Some),
             None => gains.law(py, robot).map(Some),
+        };
+    }
+    if let Ok(controls) = object.cast::<Delayed>() {
+        let late = controls.get();
+        return match law_of(py, robot, late.inner(py))? {
+            Some(inner) => late.around(inner).map(Some),
+            None => late.law(py, robot).map(Some),
         };
     }
     if let Ok(controls) = object.cast::<WholeBody>() {

@@ -3,8 +3,8 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::description::{
-    EditNote, JointDescription, JointKind, Limits, LinkDescription, MassProperties, ModelError, Mount,
-    RobotDescription,
+    CurrentDynamics, Derating, EditNote, ElectricMotor, JointDescription, JointElasticity, JointKind, Limits,
+    LinkDescription, MassProperties, ModelError, MotorDrive, Mount, RobotDescription, WindingTemperature,
 };
 use robot_dynamics::nalgebra::{Matrix3, Vector3};
 
@@ -58,6 +58,10 @@ pub(crate) fn mount(
         None => Ok(mount),
     }
 }
+
+/// Resistance, constant, limits of voltage and current, the time constant of the current, the thermal model,
+/// and derating.
+type MotorWords = (f64, f64, f64, f64, Option<f64>, Option<[f64; 5]>, Option<[f64; 2]>);
 
 type Noted = (String, Vec<String>);
 
@@ -158,6 +162,34 @@ impl Robot {
     ) -> PyResult<Noted> {
         let mount = mount(py, parent, pose, joint)?.with_prefix(prefix);
         self.edited_with_notes(|description| description.attach(robot.model.description(), &mount))
+    }
+
+    /// See `with_motor`.
+    fn _with_motor(&self, joint: &str, drive: (f64, f64), motor: MotorWords) -> PyResult<String> {
+        let ((gear, inertia), (resistance, constant, voltage_limit, current_limit, ..)) = (drive, motor);
+        let mut own =
+            ElectricMotor { voltage_limit, current_limit, ..ElectricMotor::new(resistance, constant) };
+        let (.., time_constant, thermal, derating) = motor;
+        own.current =
+            time_constant.map(|time_constant| CurrentDynamics { time_constant, rate_limit: f64::INFINITY });
+        own.winding = thermal.map(|[resistance, capacity, coefficient, reference, ambient]| {
+            WindingTemperature { resistance, capacity, coefficient, reference, ambient }
+        });
+        own.derating = derating.map(|[start, end]| Derating { start, end });
+        self.edited(|description| description.add_motor(joint, &MotorDrive::new(own, gear, inertia)))
+    }
+
+    /// See `with_elastic_joint`.
+    fn _with_elastic_joint(
+        &self,
+        joint: &str,
+        stiffness: f64,
+        damping: f64,
+        backlash: f64,
+    ) -> PyResult<Noted> {
+        let mut elasticity = JointElasticity::new(stiffness, damping);
+        elasticity.backlash = backlash;
+        self.edited_with_notes(|description| description.add_joint_elasticity(joint, &elasticity))
     }
 
     /// See `with_subtree_replaced`.

@@ -329,4 +329,24 @@ impl ControlAllocation {
         let residual = self.own.lock(py).controls(&q, &v, &tau, &mut controls).map_err(exception)?;
         Ok((array(py, &controls)?, residual))
     }
+
+    /// Operation of the electric motors at the torque and the speed of the last call of `controls`.
+    ///
+    /// The winding is at ambient temperature, and the current does not change.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (actuators, 4)
+    ///     Current [A], voltage [V], power that the motor takes [W], and the part of it that heats the
+    ///     winding [W]; NaN for an actuator without a motor.
+    fn motor_loads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let own = self.own.lock(py);
+        let rows: Vec<[f64; 4]> = own
+            .motor_loads()
+            .map(|load| {
+                load.map_or([f64::NAN; 4], |load| [load.current, load.voltage, load.power, load.heat])
+            })
+            .collect();
+        filled(py, &[rows.len(), 4], rows.as_flattened())
+    }
 }

@@ -97,7 +97,8 @@ mod native {
     use super::control::dlqr;
     #[pymodule_export]
     use super::controllers::{
-        ComputedTorque, GravityCompensatedPd, ImpedanceControl, ImplicitGains, TaskControl, WholeBody,
+        ComputedTorque, Delayed, GravityCompensatedPd, ImpedanceControl, ImplicitGains, TaskControl,
+        WholeBody,
     };
     #[pymodule_export]
     use super::defaults::_defaults;
