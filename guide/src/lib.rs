@@ -18,7 +18,7 @@ macro_rules! pages {
 }
 
 pages! {
-    index start concepts load scene control touch optimal invert differentiate constrain identify time simulate push sensors batch
+    index start concepts load scene control touch motors optimal invert differentiate constrain identify time simulate push sensors batch
     cluster publish conventions verified speed glossary command library examples
 }
 
