@@ -5,9 +5,15 @@
 //! others, define the base parameters β = π_b + K π_d. Least squares determines β from data, and β determines
 //! every torque.
 //!
+//! Joints add columns for damping, friction, armature and offsets ([`JointTerm`]). Rows are weighted by the
+//! noise of their torque, and rows without a sensor are left out. The six rows of a floating base with
+//! measured contact forces determine the same combinations as all rows. **(Ayusawa et al. 2014)**
+//!
 //! Cost: O(rows · parameters²) for the factorization. Motions that excite few combinations give a large
 //! condition number, and noise then dominates. Least squares does not ensure positive masses;
-//! [`physical_consistency`] lists links with impossible values.
+//! [`physical_consistency`] lists links with impossible values. [`identify_consistent`] finds parameters of
+//! bodies, near nominal ones, and [`identify_nonlinear`] Stribeck friction and the direction of gravity as
+//! well.
 //!
 //! Sources:
 //! - Atkeson, An, Hollerbach (1986), as in
@@ -16,15 +22,40 @@
 //!   6 (1990).
 //! - Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
 //!   identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
+//! - Lee, Wensing, Park, *Geometric robot dynamic identification: a convex programming approach*, IEEE T-RO
+//!   36 (2020) for the entropic divergence.
+//! - Swevers et al., *Optimal robot excitation and identification*, IEEE T-RA 13 (1997) for the motions of
+//!   [`design_excitation`].
+//! - Ayusawa, Venture, Nakamura, *Identifiability and identification of inertial parameters using the
+//!   underactuated base-link dynamics for legged multibody systems*, Int. J. Robotics Research 33 (2014).
 
 mod base_parameters;
 mod consistency;
+mod consistent;
+mod consistent_options;
+mod entropic;
 mod error;
+mod excitation;
+mod joint_term;
+mod least_squares;
+mod nonlinear;
+mod payload;
 mod record;
 
-pub use base_parameters::{BaseParameter, BaseParameters, IdentificationResult};
+pub use base_parameters::{BaseParameter, BaseParameters};
 pub use consistency::{LinkConsistency, physical_consistency, pseudo_inertia};
+pub use consistent::{ConsistentEstimate, identify_consistent};
+pub use consistent_options::ConsistentOptions;
+pub use entropic::entropic_divergence;
 pub use error::IdentificationError;
+pub use excitation::{
+    Excitation, ExcitationCriterion, ExcitationLimits, ExcitationOptions, FourierSeries, design_excitation,
+    design_excitation_observed,
+};
+pub use joint_term::{JointTerm, JointTermKind};
+pub use least_squares::IdentificationResult;
+pub use nonlinear::{MotionSample, NonlinearEstimate, NonlinearOptions, identify_nonlinear};
+pub use payload::{Payload, PayloadEstimator};
 pub use record::MotionRecord;
 
 use robot_dynamics_core::Model;
@@ -52,4 +83,11 @@ const PARAMETER_NAMES: [&str; robot_dynamics_core::PARAMETERS_PER_LINK] =
 pub fn inertial_parameter_names(model: &Model) -> Vec<String> {
     let of_link = |link: &str| PARAMETER_NAMES.map(|name| format!("{link}.{name}"));
     model.moving_links().flat_map(of_link).collect()
+}
+
+/// The names of all inertial parameters and then of the joint terms.
+fn parameter_names(model: &Model, terms: &[JointTerm]) -> Vec<String> {
+    let mut names = inertial_parameter_names(model);
+    names.extend(terms.iter().map(|term| term.label(model)));
+    names
 }

@@ -1,7 +1,7 @@
 //! Inverse kinematics, operational-space control, LQR, time-optimal paths and identification of parameters.
 
 mod dof_limits;
-mod identification;
+pub mod identification;
 mod inverse_kinematics;
 pub mod joint_trajectory;
 mod lqr;

@@ -214,10 +214,10 @@ pub mod control {
         MotionRecord, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace,
         ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl,
         TaskDeviation, TaskGains, TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint,
-        dlqr, inertial_parameter_names, inverse_kinematics, joint_trajectory, limit_utilization,
-        online_motion, operational_space, operational_space_into, optimal, path_coefficients,
-        physical_consistency, pseudo_inertia, task_kinematics, time_optimal, time_parameterization,
-        whole_body,
+        dlqr, identification, inertial_parameter_names, inverse_kinematics, joint_trajectory,
+        limit_utilization, online_motion, operational_space, operational_space_into, optimal,
+        path_coefficients, physical_consistency, pseudo_inertia, task_kinematics, time_optimal,
+        time_parameterization, whole_body,
     };
 }
 

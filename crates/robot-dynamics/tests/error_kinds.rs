@@ -104,6 +104,8 @@ fn errors_of_control() {
     check(ControllerError::Callback(CallbackError::new("no answer")), Callback);
     check(InverseKinematicsError::from(bad_input()), InvalidInput);
     check(IdentificationError::TooFewData { equations: 0, unknowns: 1, coordinates: 1 }, Infeasible);
+    check(IdentificationError::SingularNominal { link: "rod".into() }, Infeasible);
+    check(IdentificationError::NotConverged { steps: 100 }, NotConverged);
     check(IdentificationError::from(bad_input()), InvalidInput);
     check(DlqrError::NotConverged, NotConverged);
     check(DlqrError::NotStabilizable { modulus: 1.0, angle: 0.0 }, Infeasible);

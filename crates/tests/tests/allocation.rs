@@ -17,6 +17,7 @@ use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
+use robot_dynamics::control::identification::PayloadEstimator;
 use robot_dynamics::control::online_motion::{OnlineLimits, OnlineMotion};
 use robot_dynamics::control::optimal::{
     ControlBounds, ControlResidual, Cost, Fddp, FddpOptions, FrameTranslationResidual, Problem, SmoothStep,
@@ -1076,4 +1077,21 @@ fn whole_body_control_allocates_nothing() {
     });
     assert_eq!(requests, 0);
     assert!(active > 0, "limits are active");
+}
+
+/// A sample of the recursive estimate of a payload, and its results.
+#[test]
+fn payload_estimates_allocate_nothing() {
+    for Robot { model, state, .. } in &robots() {
+        let frame = model.frame(model.moving_links().last().unwrap()).unwrap();
+        let (noise, offsets) = (vec![0.1; model.nv()], vec![0.2; model.nv()]);
+        let estimator = PayloadEstimator::new(model, frame, &noise).unwrap();
+        let estimator = estimator.with_forgetting(0.99).unwrap();
+        let mut estimator = estimator.with_dissipation_and_offsets(&offsets).unwrap();
+        // Machine code is made at the first call.
+        estimator.push(&state.q, &state.v, &state.a, &state.tau).unwrap();
+        let mut call = || estimator.push(&state.q, &state.v, &state.a, &state.tau);
+        assert_eq!(allocations(&mut call), 0, "push");
+        assert_eq!(allocations(|| estimator.payload()), 0, "payload");
+    }
 }

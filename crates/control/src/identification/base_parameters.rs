@@ -10,18 +10,19 @@
 use core::fmt;
 
 use nalgebra::{DMatrix, DVector};
-use robot_dynamics_core::factorization::singular_values::SingularValues;
-use robot_dynamics_core::{Model, Workspace, joint_torque_regressor, random_state};
+use robot_dynamics_core::{Model, PARAMETERS_PER_LINK, Workspace, random_state};
 use robot_dynamics_number::{SplitMix64, check_finite, check_result};
 
 use super::error::check_inertial_parameters;
-use super::{IdentificationError, MotionRecord, inertial_parameter_names};
+use super::joint_term::{JointTerm, check_terms};
+use super::record::write_rows;
+use super::{IdentificationError, MotionRecord, parameter_names};
 
 /// A column is dependent if its part independent of the earlier columns is below this fraction of its length.
 ///
 /// Rounding leaves about 1e-14. The smallest independent column of an arm with links of 1 cm and of 1 m is
 /// about 1e-4.
-const DEPENDENCE: f64 = 1e-9;
+pub(super) const DEPENDENCE: f64 = 1e-9;
 
 /// A base parameter: an inertial parameter with the contributions of others.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +74,8 @@ pub struct BaseParameters {
     pub invisible: Vec<String>,
     /// B, base × 10·links, with the identity on the base columns.
     pub combinations: DMatrix<f64>,
+    /// The names of π.
+    names: Vec<String>,
 }
 
 impl BaseParameters {
@@ -83,24 +86,82 @@ impl BaseParameters {
     /// from the first link to the last. Parameters that cannot be distinguished are assigned to the link
     /// nearer to the base, as is customary. **(Gautier, Khalil 1990)**
     pub fn of(model: &Model, states: usize, seed: u64) -> Self {
-        let (nv, names) = (model.nv(), inertial_parameter_names(model));
+        Self::of_states(model, &[], states, seed)
+    }
+
+    /// The base parameters of a robot whose joint terms are identified as well.
+    ///
+    /// ```
+    /// use robot_dynamics::control::identification::{BaseParameters, JointTerm, JointTermKind};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let terms = JointTerm::of_all(&model, &[JointTermKind::Armature, JointTermKind::Offset]);
+    /// let base = BaseParameters::of_with_terms(&model, &terms, 50, 1)?;
+    /// let names: Vec<String> = base.parameters.iter().map(ToString::to_string).collect();
+    /// // A rotor about a hinge that is fixed in the world acts like the rod's moment of inertia.
+    /// assert_eq!(names, ["rod.hx", "rod.hz", "rod.Iyy + hinge.armature", "hinge.offset"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`IdentificationError`] if a joint has several degrees of freedom, or a term occurs twice.
+    pub fn of_with_terms(
+        model: &Model,
+        terms: &[JointTerm],
+        states: usize,
+        seed: u64,
+    ) -> Result<Self, IdentificationError> {
+        check_terms(model, terms)?;
+        Ok(Self::of_states(model, terms, states, seed))
+    }
+
+    fn of_states(model: &Model, terms: &[JointTerm], states: usize, seed: u64) -> Self {
+        let (nv, names) = (model.nv(), parameter_names(model, terms));
         let mut random = SplitMix64::new(seed);
         let mut workspace = Workspace::new(model);
         let columns = names.len();
-        let mut rows = Vec::with_capacity(states * nv * columns);
-        let mut regressor = vec![0.0; nv * columns];
+        let mut all = Vec::with_capacity(states * nv * columns);
+        let mut rows = vec![0.0; nv * columns];
         for _ in 0..states {
             let state = random_state(model, &mut random);
-            joint_torque_regressor(model, &mut workspace, &state.q, &state.v, &state.a, &mut regressor);
-            rows.extend_from_slice(&regressor);
+            write_rows(model, &mut workspace, terms, [&state.q, &state.v, &state.a], &mut rows);
+            all.extend_from_slice(&rows);
         }
-        Self::of_columns(&DMatrix::from_row_slice(states * nv, columns, &rows), &names)
+        Self::of_columns(&DMatrix::from_row_slice(states * nv, columns, &all), &names)
     }
 
     /// The base parameters of data. There are fewer than for the robot if the motions do not move every
     /// joint.
     pub fn of_record(record: &MotionRecord<'_>) -> Self {
-        Self::of_columns(&record.stacked(), &inertial_parameter_names(record.model))
+        Self::of_columns(&record.stacked(), &record.parameter_names())
+    }
+
+    /// The hidden directions: changes of the parameters that change no torque. Each names a parameter that
+    /// grows by 1 and the changes of the others.
+    ///
+    /// ```
+    /// use robot_dynamics::control::BaseParameters;
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let hidden = BaseParameters::of(&model, 50, 1).hidden();
+    /// assert_eq!(hidden.len(), 7); // ten parameters, of which the torque shows three
+    /// assert_eq!(hidden[0].to_string(), "rod.m");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn hidden(&self) -> Vec<BaseParameter> {
+        let is_base = |j: &usize| !self.parameters.iter().any(|parameter| parameter.index == *j);
+        let direction = |j: usize| {
+            let shown = self.parameters.iter().enumerate();
+            let shown = shown.filter(|(row, _)| self.combinations[(*row, j)] != 0.0);
+            BaseParameter {
+                index: j,
+                name: self.names[j].clone(),
+                others: shown.map(|(row, own)| (own.name.clone(), -self.combinations[(row, j)])).collect(),
+            }
+        };
+        (0..self.names.len()).filter(is_base).map(direction).collect()
     }
 
     fn of_columns(w: &DMatrix<f64>, names: &[String]) -> Self {
@@ -155,7 +216,7 @@ impl BaseParameters {
             }
         };
         let parameters = chosen.iter().enumerate().map(parameter).collect();
-        Self { parameters, invisible, combinations }
+        Self { parameters, invisible, combinations, names: names.to_vec() }
     }
 
     /// The number of base parameters, which is the rank of the regressor.
@@ -180,69 +241,6 @@ impl BaseParameters {
         Ok(values)
     }
 
-    /// Estimates β from data as the least-squares solution of W_b β = τ, by singular values of the columns
-    /// scaled to unit length.
-    ///
-    /// # Errors
-    /// [`IdentificationError`] if there are too few data, or if they do not determine a base parameter.
-    pub fn identify(&self, record: &MotionRecord<'_>) -> Result<IdentificationResult, IdentificationError> {
-        let (equations, unknowns) = (record.torques.len(), self.len());
-        let too_few = || {
-            let coordinates = record.model.nv();
-            IdentificationError::TooFewData { equations, unknowns, coordinates }
-        };
-        if equations < unknowns || unknowns == 0 {
-            return Err(too_few());
-        }
-        let indices: Vec<usize> = self.parameters.iter().map(|parameter| parameter.index).collect();
-        let mut columns = record.stacked().select_columns(&indices);
-        let lengths: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
-        let not_excited = |rank, missing: usize| {
-            let missing = self.parameters[missing].name.clone();
-            IdentificationError::NotExcited { rank, unknowns, missing }
-        };
-        if let Some(missing) = lengths.iter().position(|length| *length == 0.0) {
-            return Err(not_excited(lengths.iter().filter(|length| **length > 0.0).count(), missing));
-        }
-        for (mut column, length) in columns.column_iter_mut().zip(&lengths) {
-            column /= *length;
-        }
-        let torques = DVector::from_column_slice(&record.torques);
-        // W = Q R, R V = U Σ: the singular values of W follow from the small matrix R.
-        let triangle = columns.clone().qr();
-        let SingularValues { product, right: v, values: singular_values } = SingularValues::of(&triangle.r());
-        let singular_values = DVector::from_vec(singular_values);
-        let (largest, smallest) = (singular_values.max(), singular_values.min());
-        if smallest <= DEPENDENCE * largest {
-            let rank = singular_values.iter().filter(|x| **x > DEPENDENCE * largest).count();
-            let weakest = singular_values.imin();
-            let missing = v.column(weakest).iamax();
-            return Err(not_excited(rank, missing));
-        }
-        // x = V Σ⁻² (R V)ᵀ Qᵀ τ.
-        let q = triangle.q();
-        let squares = singular_values.component_mul(&singular_values);
-        let solve = |right: &DVector<f64>| &v * product.tr_mul(&q.tr_mul(right)).component_div(&squares);
-        let mut scaled = solve(&torques);
-        scaled += solve(&(&torques - &columns * &scaled));
-        let left = &torques - &columns * &scaled;
-        let freedom = (equations - unknowns).max(1) as f64;
-        let residual = left.norm() / (equations as f64).sqrt();
-        // σ² (WᵀW)⁻¹ = σ² V Σ⁻² Vᵀ, σ² = |residual|²/(equations − unknowns).
-        let spread = |i: usize| {
-            let sum: f64 = (0..unknowns).map(|k| (v[(i, k)] / singular_values[k]).powi(2)).sum();
-            (left.norm_squared() / freedom * sum).sqrt() / lengths[i]
-        };
-        let values = DVector::from_fn(unknowns, |i, _| scaled[i] / lengths[i]);
-        check_result("β", values.iter().chain([&residual]))?;
-        Ok(IdentificationResult {
-            standard_deviations: DVector::from_fn(unknowns, |i, _| spread(i)),
-            values,
-            residual,
-            condition: largest / smallest,
-        })
-    }
-
     /// The inertial parameters with this β that are nearest to `prior`, weighted by the scales of its links,
     /// for use in a model.
     ///
@@ -264,10 +262,9 @@ impl BaseParameters {
         check_finite("the base values", values.as_slice())?;
         let missing = values - self.values(prior)?;
         let scale = DVector::from_fn(prior.len(), |i, _| {
-            let link = &prior
-                [i / robot_dynamics_core::PARAMETERS_PER_LINK * robot_dynamics_core::PARAMETERS_PER_LINK..];
-            let most =
-                link[..robot_dynamics_core::PARAMETERS_PER_LINK].iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+            // A joint's term has no nine others that state the scale.
+            let link = &prior[i / PARAMETERS_PER_LINK * PARAMETERS_PER_LINK..];
+            let most = link.iter().take(PARAMETERS_PER_LINK).fold(0.0, |a: f64, x| a.max(x.abs()));
             let own = if prior[i] == 0.0 { most } else { prior[i].abs() };
             if own > 0.0 { own * own } else { 1.0 }
         });
@@ -282,19 +279,4 @@ impl BaseParameters {
         check_result("the nearest parameters", nearest.iter())?;
         Ok(nearest)
     }
-}
-
-/// Estimated base parameters.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-#[doc(alias = "Identified")]
-pub struct IdentificationResult {
-    /// β.
-    pub values: DVector<f64>,
-    /// Standard deviations of β, if the noise of all torques is independent and of equal size.
-    pub standard_deviations: DVector<f64>,
-    /// The root mean square of τ − W β \[N·m or N\].
-    pub residual: f64,
-    /// The condition number of W_b with columns of unit length; it bounds the amplification of noise.
-    pub condition: f64,
 }

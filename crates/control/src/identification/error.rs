@@ -32,6 +32,21 @@ pub enum IdentificationError {
         /// The base parameter that is determined worst.
         missing: String,
     },
+    /// The nominal parameters of a link are those of a point, a rod or a plate without thickness, or of no
+    /// body.
+    #[error(
+        "the nominal inertia of `{link}` is flat or impossible: state a least radius of gyration, better nominal parameters, or hold the link"
+    )]
+    SingularNominal {
+        /// The link.
+        link: String,
+    },
+    /// The iteration did not converge.
+    #[error("the estimate did not converge in {steps} steps; the data and the noise may be badly scaled")]
+    NotConverged {
+        /// The number of steps taken.
+        steps: usize,
+    },
     /// A sample or a list of parameters is invalid, or a result overflows.
     #[error(transparent)]
     Input(#[from] InvalidInput),
@@ -41,7 +56,10 @@ impl Classified for IdentificationError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::TooFewData { .. } | Self::NotExcited { .. } => ErrorKind::Infeasible,
+            Self::TooFewData { .. } | Self::NotExcited { .. } | Self::SingularNominal { .. } => {
+                ErrorKind::Infeasible
+            }
+            Self::NotConverged { .. } => ErrorKind::NotConverged,
         }
     }
 }
