@@ -96,6 +96,11 @@ ARGUMENTS = {
     "tolerance": "float",
     "force_weight": "float",
     "base": "BaseParameters | None",
+    "arrays": "tuple[Numbers, Numbers, Numbers, Numbers]",
+    "setup": "tuple[bool, list[str], Numbers | None, list[tuple[str, Numbers]]]",
+    "noise": "Numbers",
+    "forgetting": "float",
+    "prior": "tuple[Numbers, Numbers] | None",
     "convention": "str",
     "back": "bool",
     "names": "Sequence[str]",
@@ -270,6 +275,17 @@ OF_CALL = {
     ("_constrained_inverse_dynamics_pullback", "tau"): "Numbers | None",
     ("_contact_impulse_pullback", "impulse"): "Numbers | None",
     ("_constraint_rows", "v"): "Numbers | None",
+    ("_base_parameters", "terms"): "Sequence[str]",
+    ("_design_excitation", "terms"): "Sequence[str]",
+    ("_design_excitation", "limits"): "tuple[Numbers | None, Numbers | None, Numbers | None, Numbers | None]",
+    ("_design_excitation", "design"): "tuple[float, int, bool, int | None, str, int, int]",
+    ("_design_excitation", "noise"): "Numbers | None",
+    ("_identify_consistent", "weights"): "tuple[float, float, float]",
+    ("_identify_consistent", "nominal"): "tuple[list[str], Numbers | None, list[tuple[str, float]]]",
+    ("_identify_nonlinear", "weights"): "tuple[float, float, float]",
+    ("_identify_nonlinear", "nominal"): "tuple[list[str], Numbers | None, list[tuple[str, float]]]",
+    ("_identify_nonlinear", "search"): "tuple[Numbers | None, bool, int]",
+    ("PayloadFilter", "offsets"): "Numbers | None",
     ("_convert", "given"): "Sequence[NDArray[Any] | None]",
     ("_generate", "name"): "str | None",
     ("_generate", "target"): "str",
@@ -354,6 +370,11 @@ RETURNS = {
     "_fluid_forces": "_Array",
     "_generate": "list[tuple[str, str]]",
     "_identify": "_Record",
+    "_identify_consistent": "_Record",
+    "_identify_nonlinear": "_Record",
+    "_design_excitation": "_Record",
+    "_payload": "_Record",
+    "_push": "None",
     "_inverse_kinematics": "_Record",
     "_linearize_step": "tuple[_Array, _Array]",
     "_lock": "str",
@@ -464,6 +485,9 @@ PROPERTIES = {
     "row_names": "list[str]",
     "names": "list[str]",
     "invisible": "list[str]",
+    "hidden": "list[str]",
+    "parameters": "NDArray[np.float64]",
+    "covariance": "NDArray[np.float64]",
     "combinations": "NDArray[np.float64]",
     "q_indices": "list[int]",
     "v_indices": "list[int]",
@@ -493,7 +517,16 @@ OF_SIMULATION = {
 }
 
 # Base classes of classes of the Python package.
-BASES = ("Robot", "Scene", "Simulation", "SimulationBatch", "WholeBody", "KinematicTasks", "JerkLimitedMotion")
+BASES = (
+    "Robot",
+    "Scene",
+    "Simulation",
+    "SimulationBatch",
+    "WholeBody",
+    "KinematicTasks",
+    "JerkLimitedMotion",
+    "PayloadFilter",
+)
 
 # Writable attributes with their types.
 SETTERS = {

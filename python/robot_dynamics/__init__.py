@@ -65,13 +65,15 @@ from robot_dynamics.errors import (
     SingularMassError,
     StateError,
 )
+from robot_dynamics.excitation import Excitation, FourierSeries
 from robot_dynamics.files import RobotText, UnsupportedFeature
 from robot_dynamics.fluid import FluidForceDerivatives
 from robot_dynamics.ground import Ground, HeightField
-from robot_dynamics.identification import IdentificationResult
+from robot_dynamics.identification import ConsistentEstimate, IdentificationResult, NonlinearEstimate
 from robot_dynamics.loading import example, load, loads, random_robot
 from robot_dynamics.motion import EnergyAccount, Event, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.online_motion import OnlineMotion
+from robot_dynamics.payload import Payload, PayloadEstimator
 from robot_dynamics.planning import TimedPath
 from robot_dynamics.pullbacks import LinearizedSteps, RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
@@ -101,6 +103,7 @@ __all__ = [
     "Check",
     "ColumnError",
     "ComputedTorque",
+    "ConsistentEstimate",
     "ConstraintError",
     "Constraints",
     "Contact",
@@ -117,12 +120,14 @@ __all__ = [
     "EndEffector",
     "EnergyAccount",
     "Event",
+    "Excitation",
     "Finding",
     "FluidForceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsPullback",
     "ForwardDynamicsPullbackWithParameters",
     "FrameAccelerationDerivatives",
+    "FourierSeries",
     "FrameConstraint",
     "FrameError",
     "GenerateError",
@@ -152,8 +157,11 @@ __all__ = [
     "Motion",
     "MujocoState",
     "NoSlip",
+    "NonlinearEstimate",
     "OnlineMotion",
     "OperationalSpace",
+    "Payload",
+    "PayloadEstimator",
     "PinocchioState",
     "PlanningError",
     "PointContact",

@@ -24,7 +24,7 @@ _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -179,6 +179,9 @@ class BaseParameters:
     def combinations(self) -> NDArray[np.float64]:
         """The matrix of β = combinations · π."""
     @property
+    def hidden(self) -> list[str]:
+        """The changes of the parameters that change no torque, in words."""
+    @property
     def invisible(self) -> list[str]:
         """The parameters that affect no torque."""
     @property
@@ -212,7 +215,7 @@ class BaseParameters:
         Parameters
         ----------
         parameters : array_like, shape (10·moving links,)
-            π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+            π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²], and then the joint terms.
 
         Returns
         -------
@@ -845,6 +848,26 @@ class OptimalProblem:
         """Number of nodes N; a trajectory has N + 1 states."""
 
 @disjoint_base
+class PayloadFilter:
+    """The native half of `robot_dynamics.PayloadEstimator`."""
+    def __len__(self, /) -> int: ...
+    def __new__(cls, robot: Robot, frame: str | int, noise: Numbers, forgetting: float, prior: tuple[Numbers, Numbers] | None, offsets: Numbers | None) -> Self: ...
+    def _payload(self) -> _Record:
+        """See `payload`."""
+    def _push(self, q: Numbers, v: Numbers, a: Numbers, tau: Numbers) -> None:
+        """See `push`."""
+    def _reset(self) -> None:
+        """See `reset`."""
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """The covariance of the parameters (10, 10)."""
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """The ten parameters about the frame's origin and along its axes: m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz
+        [kg, kg·m, kg·m²].
+        """
+
+@disjoint_base
 class Robot:
     """A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one."""
     def __eq__(self, value: object, /) -> bool: ...
@@ -855,7 +878,7 @@ class Robot:
         """See `actuated_dofs`."""
     def _audit(self, states: int, seed: int) -> list[tuple[str, str, float, str, float, bool, str]]:
         """See `audit`."""
-    def _base_parameters(self, states: int, seed: int) -> BaseParameters:
+    def _base_parameters(self, states: int, seed: int, terms: Sequence[str]) -> BaseParameters:
         """See `base_parameters`."""
     def _constrained_forward_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
         """See `constrained_forward_dynamics`."""
@@ -883,6 +906,8 @@ class Robot:
         """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row per
         state; the names are those of the arguments.
         """
+    def _design_excitation(self, limits: tuple[Numbers | None, Numbers | None, Numbers | None, Numbers | None], design: tuple[float, int, bool, int | None, str, int, int], terms: Sequence[str], noise: Numbers | None) -> _Record:
+        """See `design_excitation`."""
     def _differentiable_row(self, **options: object) -> tuple[str, bool]:
         """The explicit method of a simulation with these options whose gradients are known, and whether damping
         and friction act.
@@ -899,8 +924,12 @@ class Robot:
         """See `fluid_forces`."""
     def _generate(self, target: str, functions: Sequence[str], folder: _Path | None, *, single: bool, fused: bool, platform_sine: bool, lanes: bool, name: str | None, states: int) -> list[tuple[str, str]]:
         """See `generate`."""
-    def _identify(self, q: Numbers, v: Numbers, a: Numbers, tau: Numbers, base: BaseParameters | None, *, dissipation: bool) -> _Record:
+    def _identify(self, arrays: tuple[Numbers, Numbers, Numbers, Numbers], setup: tuple[bool, list[str], Numbers | None, list[tuple[str, Numbers]]], base: BaseParameters | None) -> _Record:
         """See `identify`."""
+    def _identify_consistent(self, arrays: tuple[Numbers, Numbers, Numbers, Numbers], setup: tuple[bool, list[str], Numbers | None, list[tuple[str, Numbers]]], weights: tuple[float, float, float], nominal: tuple[list[str], Numbers | None, list[tuple[str, float]]]) -> _Record:
+        """See `identify_consistent`."""
+    def _identify_nonlinear(self, arrays: tuple[Numbers, Numbers, Numbers, Numbers], setup: tuple[bool, list[str], Numbers | None, list[tuple[str, Numbers]]], weights: tuple[float, float, float], nominal: tuple[list[str], Numbers | None, list[tuple[str, float]]], search: tuple[Numbers | None, bool, int]) -> _Record:
+        """See `identify_nonlinear`."""
     def _inverse_kinematics(self, frame: str | int, target: Numbers, start: Numbers | None, *, position_tolerance: float, angle_tolerance: float, max_iterations: int, max_restarts: int, seed: int) -> _Record:
         """See `inverse_kinematics`."""
     def _joints(self) -> list[tuple[tuple[str, int, str], tuple[str, str, int | None], tuple[int, int], tuple[int, int], tuple[str, float, float] | None, list[float], list[float]]]:

@@ -19,6 +19,7 @@ from robot_dynamics import (
     conventions,
     drives,
     edits,
+    excitation,
     files,
     identification,
     motion,
@@ -615,6 +616,9 @@ class Robot(_native.Robot):
     time_optimal = planning.time_optimal
     base_parameters = identification.base_parameters
     identify = identification.identify
+    identify_consistent = identification.identify_consistent
+    identify_nonlinear = identification.identify_nonlinear
+    design_excitation = excitation.design_excitation
     physical_consistency = identification.physical_consistency
 
     # Checks.

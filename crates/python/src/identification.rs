@@ -1,13 +1,19 @@
 //! Inertial parameters from recorded motion.
 
+mod consistent;
+mod excitation;
+mod motion;
+pub(crate) mod payload;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::control::{IdentificationError, MotionRecord, physical_consistency};
+use robot_dynamics::control::{IdentificationError, physical_consistency};
 use robot_dynamics::nalgebra::DVector;
 
 use crate::errors::{Class, exception, exception_of};
 use crate::numbers::{array, array_of, object, record, shaped};
 use crate::robot::Robot;
+use motion::{MotionArrays, RecordSetup, motion_record, terms_of};
 
 /// The combinations β of inertial parameters that torques determine; `robot_dynamics.Robot.base_parameters`
 /// finds them.
@@ -32,6 +38,12 @@ impl BaseParameters {
         self.parameters.invisible.clone()
     }
 
+    /// The changes of the parameters that change no torque, in words.
+    #[getter]
+    fn hidden(&self) -> Vec<String> {
+        self.parameters.hidden().iter().map(ToString::to_string).collect()
+    }
+
     /// The matrix of β = combinations · π.
     #[getter]
     fn combinations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -43,7 +55,7 @@ impl BaseParameters {
     /// Parameters
     /// ----------
     /// parameters : array_like, shape (10·moving links,)
-    ///     π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+    ///     π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²], and then the joint terms.
     ///
     /// Returns
     /// -------
@@ -105,40 +117,29 @@ type LinkFields = (String, f64, f64, f64, bool);
 #[pymethods]
 impl Robot {
     /// See `base_parameters`.
-    fn _base_parameters(&self, py: Python<'_>, states: usize, seed: u64) -> BaseParameters {
+    fn _base_parameters(
+        &self,
+        py: Python<'_>,
+        states: usize,
+        seed: u64,
+        terms: Vec<String>,
+    ) -> PyResult<BaseParameters> {
         let model = &self.model;
-        let parameters = py.detach(|| robot_dynamics::control::BaseParameters::of(model, states, seed));
-        BaseParameters { parameters, fingerprint: model.fingerprint() }
+        let terms = terms_of(model, &terms).map_err(exception_of::<IdentificationError>)?;
+        let base = robot_dynamics::control::BaseParameters::of_with_terms;
+        let parameters = py.detach(|| base(model, &terms, states, seed)).map_err(exception)?;
+        Ok(BaseParameters { parameters, fingerprint: model.fingerprint() })
     }
 
     /// See `identify`.
-    #[pyo3(signature = (q, v, a, tau, base, *, dissipation))]
     fn _identify<'py>(
         &self,
         py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        a: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
+        arrays: MotionArrays<'py>,
+        setup: RecordSetup<'py>,
         base: Option<&Bound<'py, BaseParameters>>,
-        dissipation: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
-        let (shape, q) = shaped(py, "q", q, &[usize::MAX, nq])?;
-        let states = shape[0];
-        let (_, v) = shaped(py, "v", v, &[states, nv])?;
-        let (_, a) = shaped(py, "a", a, &[states, nv])?;
-        let (_, tau) = shaped(py, "tau", tau, &[states, nv])?;
-        let mut motion = MotionRecord::new(&self.model, dissipation);
-        for k in 0..states {
-            let row = k * nv..(k + 1) * nv;
-            motion
-                .push(&q[k * nq..(k + 1) * nq], &v[row.clone()], &a[row.clone()], &tau[row])
-                .map_err(exception_of::<IdentificationError>)?;
-            if k % 256 == 0 {
-                py.check_signals()?;
-            }
-        }
+        let motion = motion_record(py, self, &arrays, &setup)?;
         let own;
         let base = match base {
             Some(base) if base.get().fingerprint != self.model.fingerprint() => {
@@ -152,20 +153,18 @@ impl Robot {
             }
         };
         let found = py.detach(|| base.identify(&motion)).map_err(exception)?;
+        let base = BaseParameters { parameters: base.clone(), fingerprint: self.model.fingerprint() };
         record(
             py,
             [
                 ("values", array(py, found.values.as_slice())?),
                 ("standard_deviations", array(py, found.standard_deviations.as_slice())?),
+                ("covariance", array_of(py, &found.covariance)?),
                 ("residual", object(py, found.residual)?),
+                ("residuals", array(py, &found.residuals)?),
                 ("condition", object(py, found.condition)?),
-                (
-                    "base",
-                    object(
-                        py,
-                        BaseParameters { parameters: base.clone(), fingerprint: self.model.fingerprint() },
-                    )?,
-                ),
+                ("weakest", object(py, found.weakest)?),
+                ("base", object(py, base)?),
             ],
         )
     }

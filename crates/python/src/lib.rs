@@ -109,6 +109,8 @@ mod native {
     #[pymodule_export]
     use super::identification::BaseParameters;
     #[pymodule_export]
+    use super::identification::payload::PayloadFilter;
+    #[pymodule_export]
     use super::interaction::{Admittance, ControlAllocation, MomentumObserver};
     #[pymodule_export]
     use super::online_motion::JerkLimitedMotion;
