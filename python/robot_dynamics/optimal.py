@@ -78,7 +78,8 @@ class SimulationStep:
     simulation: Simulation
     """Simulation; its state does not matter, and it does not change."""
     actuation: Numbers | str | None = field(default=None, kw_only=True)
-    """S of τ = S u, as in `SmoothStep`."""
+    """S of τ = S u, as in `SmoothStep`; or ``"actuators"`` for the controls of the robot's actuators without
+    states: motors with gears, servos and tendons."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -388,3 +388,25 @@ def test_sampling_approaches_the_solution(law: str) -> None:
     assert np.array_equal(found.controls, again.controls)
     with pytest.raises(ValueError, match="mppi"):
         problem.sample(0.5, law="random")  # type: ignore[arg-type]
+
+
+def test_actuators_are_controls_of_a_step() -> None:
+    arm = rd.example("two_r")
+    motor = {"rotor_inertia": 0.0, "resistance": 1.6, "constant": 0.08}
+    geared = arm.with_motor("shoulder", gear=20.0, **motor).with_motor("elbow", gear=8.0, **motor)
+
+    def least_cost(robot: rd.Robot, actuation: str | None, weights: list[float]) -> tuple[float, Array]:
+        simulation = rd.Simulation(robot, dt=0.01, integrator="implicit")
+        problem = oc.Problem(oc.SimulationStep(simulation, actuation=actuation), [0.2, 0.4, 0.0, 0.0], nodes=20)
+        goal = oc.LeastSquares(oc.StateResidual([0.9, -0.3, 0.0, 0.0]), [100.0] * 4)
+        problem.set_running_cost(oc.LeastSquares(oc.ControlResidual(), weights))
+        problem.set_terminal_cost(goal)
+        solution = problem.solve()
+        return solution.cost, solution.controls[0]
+
+    cost, tau = least_cost(arm, None, [1e-4, 1e-4])
+    other, u = least_cost(geared, "actuators", [1e-4 * 20.0**2, 1e-4 * 8.0**2])
+    assert other == pytest.approx(cost, rel=1e-6)
+    np.testing.assert_allclose(u * [20.0, 8.0], tau, rtol=1e-3)
+    with pytest.raises(rd.SimulationInputError, match="no actuator"):
+        least_cost(arm, "actuators", [1.0, 1.0])

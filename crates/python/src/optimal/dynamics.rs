@@ -70,6 +70,11 @@ fn simulation_step(
     let simulation = simulation.borrow();
     let model = Arc::clone(simulation.stepped().shared_model());
     let step = SimulationStep::new(simulation.stepped());
+    let word = object.getattr("actuation")?.extract::<String>();
+    if word.is_ok_and(|word| word == "actuators") {
+        let step = step.with_actuators().map_err(|error| raised(py, error))?;
+        return Ok((Box::new(step), Space::of_robot(simulation.robot(py), model)));
+    }
     let step = with_actuation(py, object, &model, step, SimulationStep::with_actuation)?;
     Ok((Box::new(step), Space::of_robot(simulation.robot(py), model)))
 }

@@ -175,6 +175,16 @@ impl SimulationStepper {
         }
     }
 
+    /// Holds controls over the next step, for actuators whose activation is their control. Methods without
+    /// actuators ignore them.
+    ///
+    /// # Panics
+    /// If the number of controls is wrong.
+    #[track_caller]
+    pub fn hold_controls(&mut self, controls: &[f64]) {
+        self.set_controls(controls, controls, controls);
+    }
+
     /// Takes over the rest positions of springs that yielded, from a stepper of the same method.
     pub(super) fn copy_rest_positions(&mut self, from: Option<&Self>) {
         let Some(from) = from else { return };

@@ -1,5 +1,6 @@
 //! Optimal control: residuals and their derivatives, FDDP against closed forms and independent solutions.
 
+mod actuators;
 mod bounds;
 mod constraints;
 mod contact;

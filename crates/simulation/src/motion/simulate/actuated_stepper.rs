@@ -170,6 +170,10 @@ impl Stepper for ActuatedStepper {
         add_actuation_gains(&self.actuation, model.nv, stiffness, damping);
     }
 
+    fn control_count(&self) -> usize {
+        self.actuation.control_count()
+    }
+
     fn actuator_forces(&self) -> &[f64] {
         &self.of_step.forces
     }
