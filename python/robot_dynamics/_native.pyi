@@ -342,16 +342,16 @@ class ControlAllocation:
         Returns
         -------
         ndarray, shape (actuators, 4)
-            Current [A], voltage [V], power that the motor takes [W], and the part of it that heats the winding
-            [W]; NaN for an actuator without a motor.
+            Current [A], voltage [V], power that the motor takes [W], and the part of it that heats the
+            winding [W]; NaN for an actuator without a motor.
         """
 
 @final
 class Delayed:
     """A law whose torque acts after a delay, as through a bus or a computer.
 
-    τ(t) is the torque of the law's last call at or before t − d, and 0 until the first torque arrives. It is a
-    torque of `simulate`, which calls it at every step.
+    τ(t) is the torque of the law's last call at or before t − d, and 0 until the first torque arrives. It is
+    a torque of `simulate`, which calls it at every step.
 
     Parameters
     ----------

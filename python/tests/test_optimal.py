@@ -408,5 +408,5 @@ def test_actuators_are_controls_of_a_step() -> None:
     other, u = least_cost(geared, "actuators", [1e-4 * 20.0**2, 1e-4 * 8.0**2])
     assert other == pytest.approx(cost, rel=1e-6)
     np.testing.assert_allclose(u * [20.0, 8.0], tau, rtol=1e-3)
-    with pytest.raises(rd.SimulationInputError, match="no actuator"):
+    with pytest.raises(rd.ControlError, match="no actuator"):
         least_cost(arm, "actuators", [1.0, 1.0])
