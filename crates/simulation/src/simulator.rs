@@ -17,6 +17,7 @@ mod assembly;
 mod builder;
 mod effect;
 mod error;
+mod held_inputs;
 mod inputs;
 mod link_pairs;
 mod measurements;

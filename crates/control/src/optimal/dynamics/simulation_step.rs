@@ -94,8 +94,8 @@ impl SimulationStep {
         Ok(self)
     }
 
-    /// The same with the controls of the robot's actuators as u, in their order: motors with gears, servos and
-    /// tendons within their ranges. A force at its bound has no slope, so bounds of the controls help the
+    /// The same with the controls of the robot's actuators as u, in their order: motors with gears, servos
+    /// and tendons within their ranges. A force at its bound has no slope, so bounds of the controls help the
     /// solver.
     ///
     /// ```
