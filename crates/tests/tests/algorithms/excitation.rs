@@ -141,16 +141,16 @@ fn designed_motions_beat_random_series() -> Tested {
     let base = BaseParameters::of_with_terms(&model, &JointTerm::of_all(&model, &TERMS), 100, 1)?;
     let random = &mut SplitMix64::new(8);
     let mut medians = |joint_by_joint: bool| -> Result<[f64; 2], Box<dyn Error>> {
-        let (mut conditions, mut informations) = (Vec::new(), Vec::new());
+        let (mut conditions, mut volumes) = (Vec::new(), Vec::new());
         for _ in 0..11 {
             let series = random_series(&model, &limits, random, joint_by_joint);
             let [condition, information] = quality(&model, &base, &series)?;
             conditions.push(condition);
-            informations.push(information);
+            volumes.push(information);
         }
         conditions.sort_by(f64::total_cmp);
-        informations.sort_by(f64::total_cmp);
-        Ok([conditions[5], informations[5]])
+        volumes.sort_by(f64::total_cmp);
+        Ok([conditions[5], volumes[5]])
     };
     let (common, each) = (medians(false)?, medians(true)?);
     for criterion in [ExcitationCriterion::Determinant, ExcitationCriterion::Condition] {
