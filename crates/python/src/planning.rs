@@ -159,13 +159,16 @@ fn check_waypoints(py: Python<'_>, model: &Model, rows: &[Vec<f64>], limits: &Mo
     Err(Class::Planning.error(py, message))
 }
 
+/// One of the vectors of a point.
+type Row = fn(&JointTrajectoryPoint) -> &Vec<f64>;
+
 /// The points of a motion as arrays.
 fn sampled<'py>(py: Python<'py>, trajectory: &JointTrajectory) -> PyResult<Bound<'py, PyDict>> {
     let points = trajectory.points();
     let times: Vec<f64> = points.iter().map(|point| point.time).collect();
     let record = PyDict::new(py);
     record.set_item("times", array(py, &times)?)?;
-    let rows: [(&str, fn(&JointTrajectoryPoint) -> &Vec<f64>); 4] = [
+    let rows: [(&str, Row); 4] = [
         ("q", |point| &point.q),
         ("v", |point| &point.v),
         ("a", |point| &point.a),
