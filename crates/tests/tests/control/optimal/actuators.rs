@@ -85,9 +85,9 @@ fn derivatives_by_controls_agree_with_differences() {
         let mut ends = |k: usize, by: f64| {
             let (mut x, mut u, mut next) = (x, u, [0.0; 4]);
             if k < 4 {
-                x[k] += by
+                x[k] += by;
             } else {
-                u[k - 4] += by
+                u[k - 4] += by;
             }
             step.step(&x, &u, &mut next).expect("a step");
             next
