@@ -313,6 +313,7 @@ OF_CALL = {
 RETURNS = {
     "_with_elastic_joint": "tuple[str, list[str]]",
     "_with_motor": "str",
+    "_state_row": "NDArray[np.float64]",
     "motor_loads": "NDArray[np.float64]",
     "controls": "tuple[NDArray[np.float64], float]",
     "reset": "None",

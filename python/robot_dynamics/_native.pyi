@@ -560,9 +560,6 @@ class JerkLimitedMotion:
         """See `set_target`."""
     def _remaining(self) -> float:
         """See `plan`."""
-    @overload
-    def _state_row(self, number: int) -> NDArray[_F]: ...
-    @overload
     def _state_row(self, number: int) -> NDArray[np.float64]:
         """The row of the state: 0 for q, 1 for v, 2 for a, 3 for the jerk."""
     def _take_step(self) -> bool:

@@ -97,7 +97,7 @@ def robots() -> list[rd.Robot]:
         field = """<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1" elevation="0 1 2 3"/></asset>
             <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>"""
         loaded.append(rd.loads(field))
-        motor: dict[str, float] = {"gear": 50.0, "rotor_inertia": 1e-5, "resistance": 1.6, "constant": 0.08}
+        motor: dict[str, Any] = {"gear": 50.0, "rotor_inertia": 1e-5, "resistance": 1.6, "constant": 0.08}
         hot = rd.Winding(4.0, 20.0)
         loaded.append(rd.example("two_r").with_motor("elbow", **motor, current_limit=6.0, winding=hot, derating=(80, 120)))
     return [*loaded, *(rd.random_robot(seed) for seed in range(20))]

@@ -1,6 +1,7 @@
 """Optimal control, against the Riccati recursion, numerical derivatives and the motions of the robots."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -392,7 +393,7 @@ def test_sampling_approaches_the_solution(law: str) -> None:
 
 def test_actuators_are_controls_of_a_step() -> None:
     arm = rd.example("two_r")
-    motor = {"rotor_inertia": 0.0, "resistance": 1.6, "constant": 0.08}
+    motor: dict[str, Any] = {"rotor_inertia": 0.0, "resistance": 1.6, "constant": 0.08}
     geared = arm.with_motor("shoulder", gear=20.0, **motor).with_motor("elbow", gear=8.0, **motor)
 
     def least_cost(robot: rd.Robot, actuation: str | None, weights: list[float]) -> tuple[float, Array]:
