@@ -112,11 +112,11 @@ def design_excitation(
     position : array_like, shape (nv, 2), optional
         Smallest and largest positions [rad or m]; default: those of the robot.
     velocity : array_like, shape (nv,), optional
-        Largest |v| [rad/s or m/s]; default: those of the robot.
+        Largest speed [rad/s or m/s]; default: those of the robot.
     acceleration : array_like, shape (nv,), optional
-        Largest |a| [rad/s² or m/s²]; default: without limit.
+        Largest acceleration [rad/s² or m/s²]; default: without limit.
     torque : array_like, shape (nv,), optional
-        Largest |τ| [N·m or N] with damping and friction; default: those of the robot.
+        Largest torque [N·m or N] with damping and friction; default: those of the robot.
     from_rest : bool
         Whether the motion starts and ends with zero velocity and acceleration.
     terms : sequence of str
