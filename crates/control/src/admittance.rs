@@ -6,6 +6,7 @@ use robot_dynamics_description::Pose;
 use robot_dynamics_number::{InvalidInput, check_finite, check_positive};
 
 use crate::PoseReference;
+use crate::rotation_vector::{jacobian, quadratic};
 
 /// The number of directions of a frame.
 const DIRECTIONS: usize = 6;
@@ -114,13 +115,14 @@ impl Admittance {
         let [d_rate, phi_rate] = parts(&self.rate);
         let [d_second, phi_second] = parts(acceleration);
         let turn = Rotation3::new(phi);
-        let (jacobian, jacobian_rate) = left_jacobian(phi, phi_rate);
         let PoseReference { pose, velocity, acceleration } = reference;
         let [omega, omega_rate] = [velocity.angular, acceleration.angular].map(|x| turn * Vector3::from(x));
-        // ω = J(φ) φ̇ + exp(φ) ω*, and exp(φ) turns with J φ̇.
+        // ω = J(−φ) φ̇ + exp(φ) ω*, and exp(φ) turns with J(−φ) φ̇.
+        let jacobian = jacobian(&-phi);
         let own = jacobian * phi_rate;
         let angular = own + omega;
-        let alpha = jacobian * phi_second + jacobian_rate * phi_rate + omega_rate + own.cross(&omega);
+        let own_rate = jacobian * phi_second - quadratic(&-phi, &-phi_rate);
+        let alpha = own_rate + omega_rate + own.cross(&omega);
         let shifted = |x: [f64; 3], by: Vector3<f64>| (Vector3::from(x) + by).into();
         let rotation = turn.matrix() * Matrix3::from_fn(|i, j| pose.rotation[i][j]);
         PoseReference {
@@ -133,60 +135,6 @@ impl Admittance {
                 linear: shifted(acceleration.linear, d_second),
                 angular: alpha.into(),
             },
-        }
-    }
-}
-
-/// J(φ) = 1 + b \[φ\] + c \[φ\]² with b = (1 − cos θ)/θ² and c = (θ − sin θ)/θ³, and J̇ along φ̇: the rotation
-/// exp(φ) has the angular velocity J φ̇.
-fn left_jacobian(phi: Vector3<f64>, rate: Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
-    let square = phi.norm_squared();
-    let angle = square.sqrt();
-    // b, c and their derivatives by θ, divided by θ.
-    let (b, c, b_slope, c_slope) = if angle < 0.1 {
-        let series = |terms: [f64; 5]| terms.iter().rev().fold(0.0, |sum, term| sum * square + term);
-        (
-            series([1.0 / 2.0, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]),
-            series([1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0, 1.0 / 39_916_800.0]),
-            series([-1.0 / 12.0, 1.0 / 180.0, -1.0 / 6720.0, 1.0 / 453_600.0, 0.0]),
-            series([-1.0 / 60.0, 1.0 / 1260.0, -1.0 / 60_480.0, 1.0 / 4_989_600.0, 0.0]),
-        )
-    } else {
-        let (sin, cos) = angle.sin_cos();
-        let (b, c) = ((1.0 - cos) / square, (angle - sin) / (square * angle));
-        (b, c, (sin / angle - 2.0 * b) / square, ((1.0 - cos) / square - 3.0 * c) / square)
-    };
-    let (cross, cross_rate) = (phi.cross_matrix(), rate.cross_matrix());
-    let along = phi.dot(&rate);
-    let jacobian = Matrix3::identity() + cross * b + cross * cross * c;
-    let change = cross_rate * b
-        + cross * (b_slope * along)
-        + (cross_rate * cross + cross * cross_rate) * c
-        + cross * cross * (c_slope * along);
-    (jacobian, change)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// J φ̇ is the angular velocity of exp(φ), and J̇ its rate, on both sides of the switch to series.
-    #[test]
-    fn jacobian_of_a_rotation_agrees_with_differences() {
-        let direction = Vector3::new(0.48, -0.6, 0.64);
-        let rate = Vector3::new(0.3, 0.7, -0.4);
-        for angle in [0.0, 1e-3, 0.0999, 0.1001, 1.0, 3.0] {
-            let phi = direction * angle;
-            let h = 1e-6;
-            let at = |t: f64| Rotation3::new(phi + rate * t);
-            let turn = (at(h) * at(-h).inverse()).into_inner();
-            let skew = (turn - turn.transpose()) / (4.0 * h);
-            let spin = Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)]);
-            let (jacobian, change) = left_jacobian(phi, rate);
-            assert!((jacobian * rate - spin).norm() < 1e-9, "{angle}");
-            let difference =
-                (left_jacobian(phi + rate * h, rate).0 - left_jacobian(phi - rate * h, rate).0) / (2.0 * h);
-            assert!((change - difference).norm() < 1e-9, "{angle}: {change} {difference}");
         }
     }
 }

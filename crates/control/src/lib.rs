@@ -10,6 +10,7 @@ pub mod online_motion;
 mod operational_space;
 pub mod optimal;
 mod quadratic_program;
+mod rotation_vector;
 pub mod task_kinematics;
 pub mod time_parameterization;
 pub mod whole_body;

@@ -1,9 +1,8 @@
 //! A spline through rotations, with a continuous angular acceleration.
 //!
 //! Between knots R(t) = Rᵢ exp(φ(t)) with a cubic φ from φ(0) = 0 to φ(h) = rᵢ = log(Rᵢᵀ Rᵢ₊₁). The body
-//! velocity is ω = J φ′, with the right Jacobian J(φ) = 1 − A \[φ\] + B \[φ\]², A = (1 − cos θ)/θ², B = (θ −
-//! sin θ)/θ³, θ = |φ|. The velocities at the knots follow from equal accelerations on both sides of each
-//! knot, and zero acceleration at the ends.
+//! velocity is ω = J φ′, with the right Jacobian J of `rotation_vector`. The velocities at the knots follow
+//! from equal accelerations on both sides of each knot, and zero acceleration at the ends.
 //!
 //! Source of the cubic in the tangent space: Kang, Park, *Cubic spline algorithms for orientation
 //! interpolation*, International Journal for Numerical Methods in Engineering 46 (1999).
@@ -12,14 +11,13 @@ use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::Quaternion;
 use robot_dynamics_number::InvalidInput;
 
+use crate::rotation_vector::{jacobian, quadratic};
+
 /// The limit of iterations for the velocities at the knots.
 const MOST_ITERATIONS: usize = 200;
 
 /// Iterations end when no velocity changes by more than this fraction of the largest.
 const CONVERGED: f64 = 1e-14;
-
-/// Terms of the series of A, B and their derivatives: θ²⁸/30! is below 1e-18 at θ = π.
-const TERMS: u32 = 14;
 
 /// A spline through rotations at knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,48 +34,6 @@ pub(super) struct RotationPoint {
     pub(super) rotation: Quaternion,
     pub(super) velocity: Vector3<f64>,
     pub(super) acceleration: Vector3<f64>,
-}
-
-/// A, B, and their derivatives by θ divided by θ.
-struct Coefficients {
-    a: f64,
-    b: f64,
-    a_rate: f64,
-    b_rate: f64,
-}
-
-impl Coefficients {
-    fn at(phi: &Vector3<f64>) -> Self {
-        let square = phi.norm_squared();
-        let (mut a, mut b, mut a_rate, mut b_rate) = (0.0, 0.0, 0.0, 0.0);
-        // ±θ²ᵏ/(2k+2)!, and that power without one factor θ².
-        let (mut term, mut before) = (0.5, 0.0);
-        for k in 0..TERMS {
-            let k = f64::from(k);
-            a += term;
-            b += term / (2.0 * k + 3.0);
-            a_rate += 2.0 * k * before;
-            b_rate += 2.0 * k * before / (2.0 * k + 3.0);
-            before = -term / ((2.0 * k + 3.0) * (2.0 * k + 4.0));
-            term = before * square;
-        }
-        Self { a, b, a_rate, b_rate }
-    }
-}
-
-/// J(φ).
-fn jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
-    let Coefficients { a, b, .. } = Coefficients::at(phi);
-    let cross = phi.cross_matrix();
-    Matrix3::identity() - cross * a + cross * cross * b
-}
-
-/// The rate of J along φ′, applied to φ′: the part of the acceleration that is quadratic in φ′.
-fn quadratic(phi: &Vector3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
-    let Coefficients { b, a_rate, b_rate, .. } = Coefficients::at(phi);
-    let along = phi.dot(rate);
-    let once = phi.cross(rate);
-    phi.cross(&once) * (b_rate * along) - once * (a_rate * along) + rate.cross(&once) * b
 }
 
 /// The inverse of J, which exists below a full turn.
