@@ -98,7 +98,7 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
             program: DualActiveSet::new(nu),
             hessian: vec![0.0; nu * nu],
             gradient: zeros(),
-            bounds: ForceBounds { identity, lower: zeros(), upper: zeros(), scales: zeros() },
+            bounds: ForceBounds { identity, lower: zeros(), upper: zeros(), scales: vec![1.0; nu] },
             force: zeros(),
             speeds: zeros(),
             model: robot,
@@ -207,7 +207,6 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
         (0..nu).for_each(|k| hessian[k * (nu + 1)] += weight);
         for k in 0..nu {
             [bounds.lower[k], bounds.upper[k]] = ranges[k];
-            bounds.scales[k] = 1.0;
         }
         let rows = RowBounds {
             matrix: &bounds.identity,
@@ -216,14 +215,14 @@ impl<M: Borrow<Model>> ControlAllocation<M> {
             scales: &bounds.scales,
         };
         let unsolved = |_| InvalidInput::unmet("the actuators", "have no forces for τ");
+        program.set_hessian(nu, hessian).map_err(unsolved)?;
         force.fill(0.0);
         for _ in 0..=PASSES {
-            // −Rᵀ(τ − c) − ε f₋: each pass starts from the forces of the last one.
+            // −Rᵀ(τ − c) − ε f₋: each pass starts from the forces and the rows of the last one.
             (0..nu).for_each(|k| gradient[k] = -weight * force[k]);
             for (row, wanted) in moments.chunks_exact(nu).zip(constant.iter()) {
                 gradient.iter_mut().zip(row).for_each(|(entry, moment)| *entry -= moment * wanted);
             }
-            program.set_hessian(nu, hessian).map_err(unsolved)?;
             program.solve(gradient, rows, force).map_err(unsolved)?;
             for k in 0..nu {
                 force[k] = force[k].clamp(ranges[k][0], ranges[k][1]);
