@@ -32,7 +32,7 @@ pub(super) struct FrameCommand {
 /// the effort limits.
 #[derive(Clone, Debug)]
 pub(super) struct FrameLaw {
-    frame: FrameId,
+    pub(super) frame: FrameId,
     /// The controlled rows, and the index of each among the rows of the target.
     rows: Vec<SpatialAxis>,
     places: Vec<usize>,

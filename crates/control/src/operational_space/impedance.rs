@@ -82,7 +82,6 @@ impl<W> DesiredInertia<W> {
 #[derive(Clone, Debug)]
 pub struct ImpedanceControl<M, F, W = fn(f64) -> [f64; MOST_ROWS]> {
     model: M,
-    frame: FrameId,
     reference: F,
     gains: ImpedanceGains,
     inertia: Option<DesiredInertia<W>>,
@@ -128,7 +127,7 @@ where
         check_finite("the stiffness", &gains.stiffness)?;
         check_finite("the damping", &gains.damping)?;
         let law = FrameLaw::new::<T>(robot.borrow(), frame, gains.null_damping)?;
-        Ok(Self { model: robot, frame, reference, gains, inertia: None, law })
+        Ok(Self { model: robot, reference, gains, inertia: None, law })
     }
 
     /// Sets M_d \[kg, kg·m²\] along the world's axes, and the measured wrench. `wrench(t)` returns force and
@@ -172,15 +171,15 @@ where
             check_positive("the desired inertia", entry, "")?;
         }
         let model: &Model = self.model.borrow();
-        let [own, other] = [self.frame, sensor].map(|frame| model.frame_of(frame));
+        let [own, other] = [self.law.frame, sensor].map(|frame| model.frame_of(frame));
         if own.body != other.body {
             let requirement = format!("must belong to the link of the controlled frame `{}`", own.name);
             return Err(InvalidInput::unmet(format!("the sensor `{}`", other.name), requirement).into());
         }
         let sensor = own.body_from_frame.inverse().compose(&other.body_from_frame);
         let inertia = DesiredInertia { mobility: inertia.map(f64::recip), sensor, wrench };
-        let Self { model, frame, reference, gains, law, .. } = self;
-        Ok(ImpedanceControl { model, frame, reference, gains, inertia: Some(inertia), law })
+        let Self { model, reference, gains, law, .. } = self;
+        Ok(ImpedanceControl { model, reference, gains, inertia: Some(inertia), law })
     }
 }
 
@@ -243,7 +242,7 @@ where
     /// # Panics
     /// Panics if τ has the wrong length, or the frame belongs to another model.
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
-        let Self { model, frame: _, reference, gains, inertia, law } = self;
+        let Self { model, reference, gains, inertia, law } = self;
         let command = |deviation: &TaskDeviation, pose: &Pose| {
             let TaskDeviation { position, velocity, acceleration } = *deviation;
             let restoring: [f64; MOST_ROWS] =
