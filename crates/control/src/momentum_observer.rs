@@ -3,10 +3,9 @@
 use std::borrow::Borrow;
 
 use robot_dynamics_core::configuration::configuration_rate::configuration_rate;
-use robot_dynamics_core::{Model, Workspace, bias, check_vector, dissipation, momentum};
+use robot_dynamics_core::{Model, Workspace, bias, check_configuration, check_vector, dissipation, momentum};
 use robot_dynamics_number::{Dual, InvalidInput, check_positive, check_result};
 use robot_dynamics_simulation::ControllerError;
-use robot_dynamics_simulation::motion::simulate::check_controller_input;
 
 /// The momentum observer: an estimate r of the external torque τ_ext, such as that of a collision, from
 /// (q, v) and the motors' torque. It needs no acceleration.
@@ -160,7 +159,8 @@ impl<M: Borrow<Model>> MomentumObserver<M> {
     /// its state.
     pub fn update(&mut self, q: &[f64], v: &[f64], tau: &[f64], h: f64) -> Result<&[f64], ControllerError> {
         let model: &Model = self.model.borrow();
-        check_controller_input(model, 0.0, q, v)?;
+        check_configuration(model, q)?;
+        check_vector(model, "v", v)?;
         check_vector(model, "tau", tau)?;
         check_positive("the time since the last sample", h, "s")?;
         let nv = model.nv();

@@ -13,7 +13,7 @@ mod error;
 mod limits;
 
 use robot_dynamics_core::Model;
-use robot_dynamics_number::{InvalidInput, check_finite};
+use robot_dynamics_number::{InvalidInput, check_finite, check_positive};
 use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigError, RuckigErrorHandler, RuckigResult, Trajectory,
 };
@@ -96,10 +96,7 @@ impl OnlineMotion {
     #[track_caller]
     pub fn new(model: &Model, limits: OnlineLimits, period: f64) -> Result<Self, OnlineMotionError> {
         limits.check(model)?;
-        if !(period > 0.0 && period.is_finite()) {
-            let quantity = "the period of an online motion";
-            return Err(InvalidInput::out_of_range(quantity, period, "s", "positive and finite").into());
-        }
+        check_positive("the period of an online motion", period, "s")?;
         if !model.is_vector_space() {
             let owner = format!("an online motion of robot `{}`", model.name());
             return Err(InvalidInput::unmet(owner, "needs a robot without quaternions").into());

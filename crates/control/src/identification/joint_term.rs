@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::{Joint, Model};
 use robot_dynamics_description::JointKind;
-use robot_dynamics_number::{Dual, InvalidInput, Scalar};
+use robot_dynamics_number::{Dual, InvalidInput, Scalar, check_positive};
 
 /// A force of a joint that is linear in one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,11 +128,8 @@ pub(super) fn check_terms(model: &Model, terms: &[JointTerm]) -> Result<(), Inva
             let quantity = format!("the joint term `{}`", term.label(model));
             return Err(InvalidInput::unmet(quantity, "must be named once"));
         }
-        if let JointTermKind::Stribeck { velocity } = term.kind
-            && !(velocity > 0.0 && velocity.is_finite())
-        {
-            let requirement = "positive and finite";
-            return Err(InvalidInput::out_of_range("a Stribeck velocity", velocity, "", requirement));
+        if let JointTermKind::Stribeck { velocity } = term.kind {
+            check_positive("a Stribeck velocity", velocity, "")?;
         }
     }
     Ok(())
