@@ -343,3 +343,14 @@ def test_torques_act_beside_tendons_in_explicit_steps() -> None:
         sim.torques = [1.2]
         sim.step()
         assert_allclose(sim.v, 1e-4 * robot.forward_dynamics([0.0], [0.0], [1.2]), rtol=1e-3, err_msg=integrator)
+
+
+def test_wrapped_laws_are_of_their_robot(panda: rd.Robot) -> None:
+    arm = load("two_r")
+    hold = rd.GravityCompensatedPd(arm, np.zeros(2), np.ones(2), np.ones(2))
+    own = rd.Delayed(arm, hold, 0.01)
+    assert arm.simulate([0.0, 0.0], tau=own, duration=0.02, dt=0.01).tau[0].tolist() == [0.0, 0.0]
+    with pytest.raises(rd.ControlError, match="is of robot"):
+        arm.simulate([0.0, 0.0], tau=rd.Delayed(panda, hold, 0.01), duration=0.02)
+    with pytest.raises(rd.ControlError, match="is of robot"):
+        panda.simulate(Q, tau=rd.Delayed(panda, hold, 0.01), duration=0.02)

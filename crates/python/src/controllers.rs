@@ -21,7 +21,7 @@ pub(crate) use self::delayed::Delayed;
 pub(crate) use self::frame_task::pose_reference;
 pub(crate) use self::impedance::ImpedanceControl;
 pub(crate) use self::implicit_gains::ImplicitGains;
-pub(crate) use self::law::{CalledLaw, Law};
+pub(crate) use self::law::{Law, called_law};
 pub(crate) use self::pd::GravityCompensatedPd;
 pub(crate) use self::task::TaskControl;
 pub(crate) use self::whole_body::WholeBody;
@@ -46,20 +46,19 @@ pub(crate) fn law_of<'a>(
     }
     if let Ok(controls) = object.cast::<ImplicitGains>() {
         let gains = controls.get();
-        return match law_of(py, robot, gains.inner(py))? {
-            Some(inner) => gains.around(inner, robot).map(Some),
-            None => gains.law(py, robot).map(Some),
-        };
+        return gains.around(py, inner_law(py, robot, gains.inner(py))?, robot).map(Some);
     }
     if let Ok(controls) = object.cast::<Delayed>() {
         let late = controls.get();
-        return match law_of(py, robot, late.inner(py))? {
-            Some(inner) => late.around(inner).map(Some),
-            None => late.law(py, robot).map(Some),
-        };
+        return late.around(py, inner_law(py, robot, late.inner(py))?, robot).map(Some);
     }
     if let Ok(controls) = object.cast::<WholeBody>() {
         return controls.get().law(py, robot).map(Some);
     }
     Ok(None)
+}
+
+/// The law that another one contains: a controller of the library, or a Python function.
+fn inner_law<'a>(py: Python<'_>, robot: &'a Robot, object: &Bound<'_, PyAny>) -> PyResult<Law<'a>> {
+    Ok(law_of(py, robot, object)?.unwrap_or_else(|| called_law(object, robot)))
 }

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::simulation::ControllerError;
 
-use super::law::{CalledLaw, Controls, Law, check_own};
+use super::law::{Controls, Law, called_law, check_own};
 use crate::errors::exception_of;
 use crate::robot::Robot;
 
@@ -58,7 +58,8 @@ impl Delayed {
     }
 
     /// This delay of a law.
-    pub(super) fn around<'a>(&self, inner: Law<'a>) -> PyResult<Law<'a>> {
+    pub(super) fn around<'a>(&self, py: Python<'_>, inner: Law<'a>, robot: &Robot) -> PyResult<Law<'a>> {
+        check_own(py, self.robot.get(), robot)?;
         let Law { mut controller, is_called } = inner;
         let law = move |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
         let late = robot_dynamics::simulation::Delayed::new(law, self.delay)
@@ -70,8 +71,6 @@ impl Delayed {
 impl Controls for Delayed {
     /// Calls the inner law as a Python function.
     fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
-        check_own(py, self.robot.get(), robot)?;
-        let called = CalledLaw { function: self.law.clone_ref(py), nv: robot.model.nv() };
-        self.around(Law { controller: Box::new(called), is_called: true })
+        self.around(py, called_law(self.inner(py), robot), robot)
     }
 }

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use robot_dynamics::simulation::{ControllerError, WithImplicitGains};
 
 use super::frame_task::effort_limits;
-use super::law::{CalledLaw, Controls, Law, check_own, torque};
+use super::law::{Controls, Law, called_law, check_own, torque};
 use crate::errors::exception_of;
 use crate::numbers::vector;
 use crate::robot::Robot;
@@ -107,7 +107,8 @@ impl ImplicitGains {
     }
 
     /// These gains around a law.
-    pub(super) fn around<'a>(&self, inner: Law<'a>, robot: &'a Robot) -> PyResult<Law<'a>> {
+    pub(super) fn around<'a>(&self, py: Python<'_>, inner: Law<'a>, robot: &'a Robot) -> PyResult<Law<'a>> {
+        check_own(py, self.robot.get(), robot)?;
         let Law { mut controller, is_called } = inner;
         let explicit = move |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
         let law = WithImplicitGains::new(&robot.model, explicit, &self.stiffness, &self.damping, self.period)
@@ -123,8 +124,6 @@ impl ImplicitGains {
 impl Controls for ImplicitGains {
     /// Calls the inner law as a Python function.
     fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
-        check_own(py, self.robot.get(), robot)?;
-        let called = CalledLaw { function: self.law.clone_ref(py), nv: robot.model.nv() };
-        self.around(Law { controller: Box::new(called), is_called: true }, robot)
+        self.around(py, called_law(self.inner(py), robot), robot)
     }
 }

@@ -21,10 +21,15 @@ pub(crate) trait Controls {
     fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>>;
 }
 
-/// A Python function of (t, q, v) that returns τ.
-pub(crate) struct CalledLaw {
-    pub(crate) function: Py<PyAny>,
-    pub(crate) nv: usize,
+/// The law of a Python function of (t, q, v) that returns τ.
+pub(crate) fn called_law<'a>(function: &Bound<'_, PyAny>, robot: &Robot) -> Law<'a> {
+    let law = CalledLaw { function: function.clone().unbind(), nv: robot.model.nv() };
+    Law { controller: Box::new(law), is_called: true }
+}
+
+struct CalledLaw {
+    function: Py<PyAny>,
+    nv: usize,
 }
 
 impl Controller for CalledLaw {

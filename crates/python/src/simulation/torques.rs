@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::simulation::{Controller, ControllerError};
 
-use crate::controllers::{self, CalledLaw, Law};
+use crate::controllers::{self, Law};
 use crate::numbers::{self, shaped};
 use crate::robot::Robot;
 
@@ -16,10 +16,8 @@ pub(crate) enum Torques<'a> {
         nv: usize,
         step: f64,
     },
-    /// A law of the library's.
+    /// A law of the library's, or a Python function f(t, q, v).
     Law(Law<'a>),
-    /// f(t, q, v).
-    Called(CalledLaw),
 }
 
 impl<'a> Torques<'a> {
@@ -36,7 +34,7 @@ impl<'a> Torques<'a> {
             return Ok(Self::Law(law));
         }
         if tau.is_callable() {
-            return Ok(Self::Called(CalledLaw { function: tau.clone().unbind(), nv }));
+            return Ok(Self::Law(controllers::called_law(tau, robot)));
         }
         let (shape, rows) = numbers::numbers(py, "tau", tau)?;
         if shape == [nv] {
@@ -48,7 +46,7 @@ impl<'a> Torques<'a> {
 
     /// Whether the source calls Python.
     pub(super) fn is_called(&self) -> bool {
-        matches!(self, Self::Called(_) | Self::Law(Law { is_called: true, .. }))
+        matches!(self, Self::Law(Law { is_called: true, .. }))
     }
 
     /// How long each torque is held, if the torques themselves define it.
@@ -77,7 +75,6 @@ impl Controller for Torques<'_> {
                     None => tau.fill(0.0),
                 }
             }
-            Self::Called(law) => law.torque(t, q, v, tau)?,
         }
         Ok(())
     }
