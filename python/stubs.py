@@ -298,7 +298,7 @@ OF_CALL = {
     ("_rollout_pullback", "parameters"): "bool",
     ("_rollout_pullback", "tau"): "Numbers | None",
     ("_sensor_values", "wrenches"): "Sequence[tuple[str | int, _Three, _Three, _Three, _Three]]",
-    ("_simulate", "tau"): "Numbers | Callable[[float, _Array, _Array], Numbers] | None",
+    ("_simulate", "tau"): "Numbers | Callable[[float, _Array, _Array], Numbers] | Delayed | None",
     ("_simulate", "v"): "Numbers | None",
     ("_step", "tau"): "Numbers | None",
     ("_supported_inverse_dynamics", "constraints"): "Constraints | None",

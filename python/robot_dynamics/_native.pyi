@@ -970,7 +970,7 @@ class Robot:
         """See `sensor_values`."""
     def _sensors(self) -> list[tuple[str, str, int]]:
         """See `sensors`."""
-    def _simulate(self, q: Numbers, v: Numbers | None, tau: Numbers | Callable[[float, _Array, _Array], Numbers] | None, *, duration: float, sample_period: float | str | None, events: Sequence[tuple[str, Callable[[float, _Array, _Array], float], int, bool]], stop_at_limits: bool, controls: dict[str, float] | None, **options: object) -> _Record:
+    def _simulate(self, q: Numbers, v: Numbers | None, tau: Numbers | Callable[[float, _Array, _Array], Numbers] | Delayed | None, *, duration: float, sample_period: float | str | None, events: Sequence[tuple[str, Callable[[float, _Array, _Array], float], int, bool]], stop_at_limits: bool, controls: dict[str, float] | None, **options: object) -> _Record:
         """See `simulate`."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""

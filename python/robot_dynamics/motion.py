@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robot_dynamics import defaults
 from robot_dynamics import ground as grounds
-from robot_dynamics._native import Constraints
+from robot_dynamics._native import Constraints, Delayed
 from robot_dynamics.errors import BadStatesError, ShapeError, SimulationError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
@@ -318,7 +318,7 @@ def simulate(
     robot: Robot,
     q: Numbers,
     v: Numbers | None = None,
-    tau: Numbers | Controller | None = None,
+    tau: Numbers | Controller | Delayed | None = None,
     *,
     duration: float,
     dt: float = defaults.DT,
@@ -363,10 +363,10 @@ def simulate(
     v : array_like, shape (nv,), optional
         Initial velocity [rad/s or m/s]; default: 0.
     tau : array_like, shape (nv,) or (steps, nv), or callable, optional
-        Torques [N·m or N] for all steps or for each step, or a function of (t, q, v) that returns (nv,).
-        Each is held over a step and clipped to the effort limits. With ``adaptive`` rows are held for
-        `dt`. A function is then evaluated continuously and must be smooth, unless `control_period` is
-        given.
+        Torques [N·m or N] for all steps or for each step; a function of (t, q, v) that returns (nv,); or
+        `Delayed`. Each is held over a step and clipped to the effort limits. With ``adaptive`` rows are
+        held for `dt`. A function is then evaluated continuously and must be smooth, unless
+        `control_period` is given.
     duration : float
         Duration [s].
     dt : float
