@@ -83,7 +83,7 @@ pub(crate) fn libraries() -> impl Iterator<Item = &'static str> {
 }
 
 /// Crates that may depend on anything, and on which no library depends.
-pub(crate) const LEAVES: &[&str] = &["cli", "tests", "python", "wasm"];
+pub(crate) const LEAVES: &[&str] = &["c", "cli", "tests", "python", "wasm"];
 
 /// Dependencies that belong to one crate alone.
 pub(crate) const OWNED: &[(&str, &str)] = &[

@@ -107,21 +107,44 @@ where
     }
 }
 
-impl<M, F, R> Controller for ComputedTorque<M, F>
-where
-    M: Borrow<Model>,
-    F: FnMut(f64) -> R,
-    R: IntoCallbackResult<Reference>,
-{
-    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+impl<M: Borrow<Model>, F> ComputedTorque<M, F> {
+    /// Writes τ for the state (q, v) and this reference at the time t \[s\], instead of that of the function.
+    /// It does not allocate.
+    ///
+    /// ```
+    /// use robot_dynamics::control::{ComputedTorque, Reference};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let still = Reference { q: vec![0.0], v: vec![0.0], a: vec![0.0] };
+    /// let mut control = ComputedTorque::new(&model, |_t| still.clone(), &[100.0], &[20.0])?;
+    /// let mut tau = [0.0];
+    /// control.torque_toward(&still, 0.0, &[0.0], &[0.0], &mut tau)?;
+    /// assert!((tau[0] + 2.0 * 9.81 * 0.5).abs() < 1e-12); // the weight
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ControllerError`] if an argument is invalid, or τ is not finite.
+    ///
+    /// # Panics
+    /// Panics if τ has the wrong length.
+    pub fn torque_toward(
+        &mut self,
+        reference: &Reference,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) -> Result<(), ControllerError> {
         let model: &Model = self.model.borrow();
         check_controller_input(model, t, q, v)?;
-        let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t).outcome()?;
-        check_configuration(model, &q_wanted).map_err(|error| error.of("the reference's q"))?;
-        check_vector(model, "the reference's v", &v_wanted)?;
-        check_vector(model, "the reference's a", &a)?;
+        let Reference { q: q_wanted, v: v_wanted, a } = reference;
+        check_configuration(model, q_wanted).map_err(|error| error.of("the reference's q"))?;
+        check_vector(model, "the reference's v", v_wanted)?;
+        check_vector(model, "the reference's a", a)?;
         let nv = model.nv();
-        difference(model, q, &q_wanted, &mut self.error);
+        difference(model, q, q_wanted, &mut self.error);
         for k in 0..nv {
             self.acceleration[k] =
                 a[k] + self.stiffness[k] * self.error[k] + self.damping[k] * (v_wanted[k] - v[k]);
@@ -139,5 +162,18 @@ where
             part.reduce(tau);
         }
         Ok(check_torque(tau)?)
+    }
+}
+
+impl<M, F, R> Controller for ComputedTorque<M, F>
+where
+    M: Borrow<Model>,
+    F: FnMut(f64) -> R,
+    R: IntoCallbackResult<Reference>,
+{
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_controller_input(self.model.borrow(), t, q, v)?;
+        let reference = (self.reference)(t).outcome()?;
+        self.torque_toward(&reference, t, q, v, tau)
     }
 }

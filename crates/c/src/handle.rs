@@ -1,0 +1,218 @@
+//! Handles of objects.
+//!
+//! A handle is a number: eight bits of the kind, 24 of the generation, 32 of the index in the table of its
+//! kind. Freeing an object increases the generation of its slot, so an old handle no longer fits. A slot has a
+//! generation of its own for 2²⁴ objects; then the numbers repeat.
+//!
+//! Looking up a handle takes a lock without waiting: one atomic operation, and one more at the end. A read lock
+//! fails only while the object is freed, a write lock also while another call uses the object.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
+
+use crate::Status;
+use crate::failure::Failure;
+
+/// A kind of object that C names by handles.
+pub(crate) trait Object: Sized + Send + Sync + 'static {
+    /// The number of the kind, not 0.
+    const KIND: u8;
+    /// The name of the kind, with its article.
+    const NAME: &'static str;
+
+    /// The table of this kind.
+    fn table() -> &'static Table<Self>;
+}
+
+/// The number of slots of the first chunk; each further chunk has twice as many.
+const FIRST: usize = 64;
+/// All chunks together have 2³² slots, less the first ones.
+const CHUNKS: usize = 26;
+const GENERATIONS: u32 = 1 << 24;
+
+/// The objects of one kind. Slots never move, and are never released.
+pub(crate) struct Table<T> {
+    chunks: [OnceLock<Box<[RwLock<Slot<T>>]>>; CHUNKS],
+    free: Mutex<Free>,
+}
+
+struct Slot<T> {
+    generation: u32,
+    object: Option<T>,
+}
+
+/// The slots without an object: freed ones, and all from `end` on.
+struct Free {
+    slots: Vec<u32>,
+    end: u32,
+}
+
+/// An object in use by several calls.
+pub(crate) struct Shared<T: 'static>(RwLockReadGuard<'static, Slot<T>>);
+
+/// An object in use by this call alone.
+pub(crate) struct Exclusive<T: 'static>(RwLockWriteGuard<'static, Slot<T>>);
+
+impl<T> Table<T> {
+    pub(crate) const fn new() -> Self {
+        Self {
+            chunks: [const { OnceLock::new() }; CHUNKS],
+            free: Mutex::new(Free { slots: Vec::new(), end: 0 }),
+        }
+    }
+
+    fn slot(&self, index: u32) -> Option<&RwLock<Slot<T>>> {
+        let (chunk, offset) = position(index);
+        self.chunks.get(chunk)?.get()?.get(offset)
+    }
+}
+
+/// The chunk of a slot and its place there.
+fn position(index: u32) -> (usize, usize) {
+    let shifted = index as usize + FIRST;
+    let chunk = (shifted / FIRST).ilog2() as usize;
+    (chunk, shifted - (FIRST << chunk))
+}
+
+/// Stores an object and returns its handle.
+pub(crate) fn insert<T: Object>(object: T) -> Result<u64, Failure> {
+    let table = T::table();
+    let mut free = table.free.lock().unwrap_or_else(PoisonError::into_inner);
+    let index = match free.slots.pop() {
+        Some(index) => index,
+        None => {
+            let index = free.end;
+            free.end =
+                index.checked_add(1).ok_or_else(|| Failure::new(Status::System, "too many objects"))?;
+            index
+        }
+    };
+    drop(free);
+    let (chunk, offset) = position(index);
+    let empty = || RwLock::new(Slot { generation: 0, object: None });
+    let slots = table.chunks[chunk].get_or_init(|| (0..FIRST << chunk).map(|_| empty()).collect());
+    let mut slot = slots[offset].write().unwrap_or_else(PoisonError::into_inner);
+    slot.object = Some(object);
+    Ok(u64::from(T::KIND) << 56 | u64::from(slot.generation) << 32 | u64::from(index))
+}
+
+/// Frees an object. The null handle is ignored.
+pub(crate) fn remove<T: Object>(handle: u64) -> Result<(), Failure> {
+    if handle == 0 {
+        return Ok(());
+    }
+    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
+    let mut slot = match slot.try_write() {
+        Ok(slot) => slot,
+        // An earlier call on the object panicked.
+        Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+        Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
+    };
+    check::<T>(&slot, handle)?;
+    let object = slot.object.take();
+    slot.generation = (slot.generation + 1) % GENERATIONS;
+    drop(slot);
+    drop(object);
+    // The lock of a slot with a fault is poisoned for good, so the slot is not used again.
+    if !T::table().slot(handle as u32).is_some_and(RwLock::is_poisoned) {
+        T::table().free.lock().unwrap_or_else(PoisonError::into_inner).slots.push(handle as u32);
+    }
+    Ok(())
+}
+
+/// The object of a handle, for reading.
+pub(crate) fn shared<T: Object>(handle: u64) -> Result<Shared<T>, Failure> {
+    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
+    let slot = match slot.try_read() {
+        Ok(slot) => slot,
+        Err(TryLockError::Poisoned(_)) => return Err(panicked::<T>()),
+        Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
+    };
+    check::<T>(&slot, handle)?;
+    Ok(Shared(slot))
+}
+
+/// The object of a handle, for this call alone.
+pub(crate) fn exclusive<T: Object>(handle: u64) -> Result<Exclusive<T>, Failure> {
+    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
+    let slot = match slot.try_write() {
+        Ok(slot) => slot,
+        Err(TryLockError::Poisoned(_)) => return Err(panicked::<T>()),
+        Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
+    };
+    check::<T>(&slot, handle)?;
+    Ok(Exclusive(slot))
+}
+
+impl<T> Deref for Shared<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.0.object.as_ref().expect("a checked slot has an object")
+    }
+}
+
+impl<T> Deref for Exclusive<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.0.object.as_ref().expect("a checked slot has an object")
+    }
+}
+
+impl<T> DerefMut for Exclusive<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        self.0.object.as_mut().expect("a checked slot has an object")
+    }
+}
+
+/// The index of a handle of this kind.
+fn index_of<T: Object>(handle: u64) -> Result<u32, Failure> {
+    if handle >> 56 == u64::from(T::KIND) { Ok(handle as u32) } else { Err(foreign::<T>(handle)) }
+}
+
+fn check<T: Object>(slot: &Slot<T>, handle: u64) -> Result<(), Failure> {
+    let generation = (handle >> 32) as u32 % GENERATIONS;
+    if slot.generation == generation && slot.object.is_some() { Ok(()) } else { Err(invalid::<T>()) }
+}
+
+#[cold]
+fn foreign<T: Object>(handle: u64) -> Failure {
+    let text = if handle == 0 { "is null" } else { "names an object of another kind" };
+    Failure::new(Status::InvalidHandle, format!("the handle of {} {text}", T::NAME))
+}
+
+#[cold]
+fn invalid<T: Object>() -> Failure {
+    Failure::new(Status::InvalidHandle, format!("the handle names no existing object; {} was freed", T::NAME))
+}
+
+#[cold]
+fn in_use<T: Object>() -> Failure {
+    Failure::new(
+        Status::InUse,
+        format!("{} serves another call now; use one object for each thread", T::NAME),
+    )
+}
+
+#[cold]
+fn panicked<T: Object>() -> Failure {
+    Failure::new(Status::Panic, format!("an earlier call on {} panicked; free the object", T::NAME))
+}
+
+/// Declares a handle and its kind of object.
+macro_rules! object {
+    ($object:ty, $kind:literal, $name:literal) => {
+        impl crate::handle::Object for $object {
+            const KIND: u8 = $kind;
+            const NAME: &'static str = $name;
+
+            fn table() -> &'static crate::handle::Table<Self> {
+                static TABLE: crate::handle::Table<$object> = crate::handle::Table::new();
+                &TABLE
+            }
+        }
+    };
+}
+
+pub(crate) use object;

@@ -1,0 +1,85 @@
+//! The sensors of the robot's file.
+
+use std::ffi::{CString, c_char};
+
+use robot_dynamics::simulation::Simulation;
+
+use crate::Status;
+use crate::arrays::{Arrays, c_text, result};
+use crate::failure::Failure;
+use crate::handle::shared;
+use crate::status::{call, query};
+
+use super::{RobotSimulation, SimulationHandle, text_of};
+
+/// The sensors' names and the place of their values.
+pub(super) struct Sensors {
+    names: Vec<CString>,
+    /// The first value of each, and the number of all.
+    starts: Vec<usize>,
+}
+
+impl Sensors {
+    pub(super) fn of(simulation: &Simulation) -> Self {
+        let (mut names, mut starts) = (Vec::new(), vec![0]);
+        for (name, values) in simulation.sensors() {
+            names.push(c_text(&name));
+            starts.push(starts[starts.len() - 1] + values.len());
+        }
+        Self { names, starts }
+    }
+}
+
+/// The number of sensors; 0 if the handle is invalid.
+#[unsafe(no_mangle)]
+pub extern "C" fn rd_simulation_sensor_count(simulation: SimulationHandle) -> usize {
+    query(0, || Ok(shared::<RobotSimulation>(simulation.id)?.sensors.names.len()))
+}
+
+/// The name of a sensor; null if there is none of this number.
+#[unsafe(no_mangle)]
+pub extern "C" fn rd_simulation_sensor_name(simulation: SimulationHandle, sensor: usize) -> *const c_char {
+    text_of(simulation, |own| own.sensors.names.get(sensor).map(|name| name.as_ptr()))
+}
+
+/// The place of a sensor's values in `rd_simulation_sensors`: the first one and their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rd_simulation_sensor_range(
+    simulation: SimulationHandle,
+    sensor: usize,
+    first: *mut usize,
+    count: *mut usize,
+) -> Status {
+    call(|| {
+        let own = shared::<RobotSimulation>(simulation.id)?;
+        let (first, count) = (result("the result `first`", first)?, result("the result `count`", count)?);
+        let sensors = &own.sensors;
+        if sensor >= sensors.names.len() {
+            let text = format!("there is no sensor {sensor}; there are {}", sensors.names.len());
+            return Err(Failure::invalid(text));
+        }
+        (*first, *count) = (sensors.starts[sensor], sensors.starts[sensor + 1] - sensors.starts[sensor]);
+        Ok(())
+    })
+}
+
+/// The number of values of all sensors; 0 if the handle is invalid.
+#[unsafe(no_mangle)]
+pub extern "C" fn rd_simulation_sensor_value_count(simulation: SimulationHandle) -> usize {
+    query(0, || Ok(shared::<RobotSimulation>(simulation.id)?.sensors.starts.last().copied().unwrap_or(0)))
+}
+
+/// The values of all sensors at the end of the last step, in the order of the file. Allocates.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rd_simulation_sensors(
+    simulation: SimulationHandle,
+    values: *mut f64,
+    values_len: usize,
+) -> Status {
+    call(|| {
+        let own = shared::<RobotSimulation>(simulation.id)?;
+        let found: Vec<f64> = own.simulation.sensors().into_iter().flat_map(|(_, values)| values).collect();
+        Arrays::default().output("the result", values, values_len, found.len())?.copy_from_slice(&found);
+        Ok(())
+    })
+}
