@@ -5,6 +5,7 @@
 
 mod allowances;
 mod cargo;
+mod cpp;
 mod examples;
 mod files;
 mod gpu;
@@ -45,7 +46,7 @@ const USAGE: &str = "usage: cargo xtask <command>
           program), docs, guide (the site without the lab and the Rust reference; no dead link),
           gpu (batches on a device, Mesa's on the processor where there is no other; part of rust, too, where
           there is one), machines (emulated processors, and the numbers interpreted), python (the package, by
-          pip), lab
+          pip), cpp (the C and C++ libraries, by CMake), lab
   tidy    only the checks on the tree's own rules (layering, cycles, file sizes, examples, prose);
           --write-allowances lowers the counts in xtask/allowances.txt, with --force it raises them too
   graph   writes the graphs of crates and modules into ARCHITECTURE.md
@@ -92,15 +93,16 @@ fn main() -> ExitCode {
 }
 
 /// The parts of the test run, those that fail fastest first.
-const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
+const PARTS: [&str; 9] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "cpp", "lab"];
 
 /// A part of the checks, or some of one.
 type Check = fn() -> Result<(), String>;
 
 /// The checks that run beside the other parts: Python's tests, emulators, and the lab without browsers. Each
 /// keeps one core busy, sometimes two.
-const BESIDE: [Check; 5] = [
+const BESIDE: [Check; 6] = [
     python::run,
+    cpp::run,
     machines::emulate,
     || lab::run(lab::Job::Check),
     machines::interpret,
@@ -119,7 +121,7 @@ fn everything() -> Result<(), String> {
         help()
     });
     let ours = step::noted(gpu::install_driver().and_then(|()| {
-        let is_ours = |name: &&&str| !["python", "machines", "lab", "gpu"].contains(name);
+        let is_ours = |name: &&&str| !["python", "cpp", "machines", "lab", "gpu"].contains(name);
         PARTS.iter().filter(is_ours).try_for_each(|name| part(name))?;
         help()
     }));
@@ -164,6 +166,7 @@ fn part(name: &str) -> Result<(), String> {
         "gpu" => gpu::run(),
         "machines" => machines::run(),
         "python" => python::run(),
+        "cpp" => cpp::run(),
         _ => {
             println!("\n== lab");
             lab::run(lab::Job::Test)

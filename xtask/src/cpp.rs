@@ -1,0 +1,141 @@
+//! `cargo xtask test cpp`: the C and C++ libraries, as their users build, install and find them.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::cargo::target_folder;
+use crate::install::{install_package, is_there};
+use crate::root::root;
+use crate::step::step;
+
+/// Debian packages, and a file by which each is found.
+const PACKAGES: [(&str, &str); 2] =
+    [("doctest-dev", "/usr/include/doctest/doctest.h"), ("libeigen3-dev", "/usr/include/eigen3/Eigen/Core")];
+
+/// The version of the shared library's symbols.
+const SYMBOL_VERSION: &str = "@@RD_0";
+
+/// Builds, tests, installs, and builds the examples against the installation.
+pub(crate) fn run() -> Result<(), String> {
+    if !cfg!(target_os = "linux") {
+        println!("\n== cpp: skipped, as its tools are installed on Linux alone");
+        return Ok(());
+    }
+    install()?;
+    let folder = target_folder().join("cpp");
+    let (build, prefix, users) = (folder.join("build"), folder.join("prefix"), folder.join("examples"));
+    let target = target_folder();
+    let mut configure = cmake();
+    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(&build);
+    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target.display()));
+    configure.args(["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib"]);
+    step("cpp: configure", configure)?;
+    step("cpp: build", built(&build))?;
+    let mut test = Command::new("ctest");
+    test.arg("--output-on-failure").current_dir(&build);
+    step("cpp: tests", test)?;
+    check_symbols(&build)?;
+    let mut install = cmake();
+    install.arg("--install").arg(&build).arg("--prefix").arg(&prefix);
+    step("cpp: install", install)?;
+    let mut find = cmake();
+    find.arg("-S").arg(root().join("cpp/examples")).arg("-B").arg(&users);
+    find.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()));
+    step("cpp: find the installed package", find)?;
+    step("cpp: build the examples", built(&users))?;
+    let mut example = Command::new(users.join("hold"));
+    example.arg(root().join("robots/panda.urdf"));
+    step("cpp: an example", example)?;
+    by_pkg_config(&prefix, &folder.join("hold_c"))
+}
+
+fn cmake() -> Command {
+    Command::new("cmake")
+}
+
+fn built(folder: &Path) -> Command {
+    let mut build = cmake();
+    build.arg("--build").arg(folder).args(["--parallel", "2"]);
+    build
+}
+
+fn install() -> Result<(), String> {
+    for (package, program) in [("cmake", "cmake"), ("g++", "g++"), ("pkg-config", "pkg-config")] {
+        if !is_there(program) {
+            install_package("cpp", package)?;
+        }
+    }
+    for (package, file) in PACKAGES {
+        if !Path::new(file).exists() {
+            install_package("cpp", package)?;
+        }
+    }
+    Ok(())
+}
+
+/// Compiles the C example by the flags of pkg-config, with the static library, and runs it.
+fn by_pkg_config(prefix: &Path, program: &PathBuf) -> Result<(), String> {
+    let mut ask = Command::new("pkg-config");
+    ask.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")).args(["--cflags", "--libs", "robot_dynamics"]);
+    let flags = output(ask)?;
+    let mut compile = Command::new("cc");
+    compile.arg(root().join("cpp/examples/hold.c")).args(flags.split_whitespace()).arg("-o").arg(program);
+    step("cpp: compile by pkg-config", compile)?;
+    let mut run = Command::new(program);
+    run.env("LD_LIBRARY_PATH", prefix.join("lib")).arg(root().join("robots/panda.urdf"));
+    step("cpp: run it", run)
+}
+
+/// Checks that the shared library exports the functions of the header, all of one version, and nothing else.
+fn check_symbols(build: &Path) -> Result<(), String> {
+    println!("\n== cpp: symbols");
+    let mut list = Command::new("nm");
+    list.args(["--dynamic", "--defined-only"]).arg(build.join("librobot_dynamics.so"));
+    let exported: BTreeSet<String> = output(list)?
+        .lines()
+        .filter_map(|line| line.split_whitespace().nth(2))
+        .filter(|name| !name.starts_with("RD_0"))
+        .map(str::to_owned)
+        .collect();
+    let header =
+        fs::read_to_string(root().join("cpp/include/robot_dynamics.h")).map_err(|e| e.to_string())?;
+    let declared: BTreeSet<String> =
+        declared_functions(&header).map(|name| format!("{name}{SYMBOL_VERSION}")).collect();
+    let list = |names: Vec<&String>| names.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    let missing = list(declared.difference(&exported).collect());
+    let extra = list(exported.difference(&declared).collect());
+    if missing.is_empty() && extra.is_empty() {
+        println!("{} functions, each with the version {SYMBOL_VERSION}", exported.len());
+        return Ok(());
+    }
+    Err(format!("symbols of the shared library: missing [{missing}], not in the header [{extra}]"))
+}
+
+/// The names of the functions of a header: `rd_…(` at the start of a declaration.
+fn declared_functions(header: &str) -> impl Iterator<Item = &str> {
+    header.lines().filter(|line| !line.starts_with([' ', '*', '/', '#'])).filter_map(|line| {
+        let name = line.split('(').next()?.rsplit([' ', '*']).next()?;
+        (line.contains('(') && name.starts_with("rd_")).then_some(name)
+    })
+}
+
+fn output(mut command: Command) -> Result<String, String> {
+    let output = command.output().map_err(|error| format!("cannot start {command:?}: {error}"))?;
+    if !output.status.success() {
+        return Err(format!("{command:?} failed: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::declared_functions;
+
+    #[test]
+    fn declarations_of_functions_are_found() {
+        let header = "/* rd_no(x) */\nrd_status rd_one(rd_model model,\n                 size_t n);\nconst char *rd_two(void);\n";
+        assert!(declared_functions(header).eq(["rd_one", "rd_two"]));
+    }
+}
