@@ -210,6 +210,24 @@ def ours():
     return Ours("ours", program, ALGORITHMS, "cargo build --release, no flags", 2)
 
 
+def ours_in_cpp():
+    """This project's C++ layer, linked with the static library of the default build. It checks that its input and
+    output are finite in every call."""
+    target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
+    archive = cargo(ROOT, ["-p", "robot-dynamics-c", "--locked"], target) / "librobot_dynamics_c.a"
+    include = ROOT / "cpp" / "include"
+    # The programs of the cache are named by their flags: those of another library or header are other programs.
+    parts = [archive, *sorted(path for path in include.rglob("*") if path.is_file())]
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in parts)).hexdigest()[:12]
+    flags = [*CXX, f"-DLIBRARY_{digest}", f"-I{include}", str(archive), "-lpthread", "-ldl", "-lm"]
+    return Side(
+        "ours from C++",
+        compiled("robot_dynamics_cpp", "robot_dynamics_side.cpp", flags),
+        *("robot.urdf", "body", [*CORE, "coriolis_matrix", "jacobian", "jacobian_in_frame", *DERIVATIVES]),
+        "cpp/include, linked statically; checks its arguments and results",
+    )
+
+
 def one_thread(side):
     """This project with two threads beside one."""
     return Ours("ours, one thread", side.program, THREADS, "the same program", 1)
@@ -241,6 +259,7 @@ def peers():
     plain = cargo(HERE / "dynibo", ["--locked"], dynibo / "plain") / "dynibo_side"
     tuned = cargo(HERE / "dynibo", ["--locked"], dynibo / "native", "-C target-cpu=native") / "dynibo_side"
     return [
+        ours_in_cpp(),
         Pinocchio(
             "pinocchio shipped",
             compiled("pinocchio_shipped", "pinocchio_side.cpp", shipped),
