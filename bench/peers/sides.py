@@ -211,12 +211,14 @@ def ours():
 
 
 def ours_in_cpp():
-    """This project's C++ layer, linked with the static library of the default build. It checks that its input and
-    output are finite in every call."""
+    """This project's C++ layer, linked with the static library of the default build.
+
+    It checks that its input and output are finite in every call.
+    """
     target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
     archive = cargo(ROOT, ["-p", "robot-dynamics-c", "--locked"], target) / "librobot_dynamics_c.a"
     include = ROOT / "cpp" / "include"
-    # The programs of the cache are named by their flags: those of another library or header are other programs.
+    # The cache names programs by their flags. Another library or header must give another program.
     parts = [archive, *sorted(path for path in include.rglob("*") if path.is_file())]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in parts)).hexdigest()[:12]
     flags = [*CXX, f"-DLIBRARY_{digest}", f"-I{include}", str(archive), "-lpthread", "-ldl", "-lm"]

@@ -828,8 +828,8 @@ rd_status rd_interpolate(rd_model model,
 rd_status rd_normalize(rd_model model, double *q, size_t nq);
 
 /**
- * Loads a robot from a URDF, MJCF, SDF, USD or scene file. `options` may be null. Suspicious values are taken
- * as written and reported: see `rd_model_report`. Free the model with `rd_model_free`.
+ * Loads a robot from a URDF, MJCF, SDF, USD or scene file. `options` may be null. Suspicious values are
+ * taken as written and reported: see `rd_model_report`. Free the model with `rd_model_free`.
  */
 rd_status rd_load(const char *path, const rd_load_options *options, rd_model *model);
 
@@ -971,8 +971,9 @@ rd_status rd_batch_new(rd_model model, size_t threads, rd_batch *batch);
 rd_status rd_batch_free(rd_batch batch);
 
 /**
- * Computes a quantity of `states` states. Each array has the rows of all states, one after another; all states
- * share the frames. If a state is invalid, an error names it, and the results of the others are valid.
+ * Computes a quantity of `states` states. Each array has the rows of all states, one after another; all
+ * states share the frames. If a state is invalid, an error names it, and the results of the others are
+ * valid.
  *
  * Quantities without a form for batches are computed one state after another. With one thread the call does
  * not allocate.
@@ -989,8 +990,8 @@ rd_status rd_batch_compute(rd_batch batch,
 rd_status rd_constraints_from_file(rd_model model, rd_constraints *constraints);
 
 /**
- * Supports that hold the origins of frames where they are. `points` has 3 numbers for each frame, its position
- * in the world [m]. Free them with `rd_constraints_free`.
+ * Supports that hold the origins of frames where they are. `points` has 3 numbers for each frame, its
+ * position in the world [m]. Free them with `rd_constraints_free`.
  */
 rd_status rd_constraints_at_points(rd_model model,
                                    const uint32_t *frames,
@@ -1026,8 +1027,8 @@ size_t rd_constraints_row_count(rd_constraints constraints);
 const char *rd_constraints_row_name(rd_constraints constraints, size_t row);
 
 /**
- * a and the multipliers lambda of M a + C v + g = tau + Aᵀ lambda with A a = −Ȧ v. Dependent rows are left out.
- * `multipliers` has one number for each row. Allocates.
+ * a and the multipliers lambda of M a + C v + g = tau + Aᵀ lambda with A a = −Ȧ v. Dependent rows are left
+ * out. `multipliers` has one number for each row. Allocates.
  */
 rd_status rd_constrained_forward_dynamics(rd_workspace workspace,
                                           rd_constraints constraints,
@@ -1053,8 +1054,8 @@ rd_status rd_project_position(rd_workspace workspace,
 
 /**
  * Makes tau = M(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g, with nv gains each. The reference is the neutral
- * configuration at rest until `rd_computed_torque_set_reference`. `dissipation`: not 0 compensates damping and
- * friction of the joints. Free it with `rd_computed_torque_free`.
+ * configuration at rest until `rd_computed_torque_set_reference`. `dissipation`: not 0 compensates damping
+ * and friction of the joints. Free it with `rd_computed_torque_free`.
  */
 rd_status rd_computed_torque_new(rd_model model,
                                  const double *stiffness,
@@ -1092,8 +1093,8 @@ rd_status rd_computed_torque_torque(rd_computed_torque controller,
                                     size_t tau_len);
 
 /**
- * The gain K, m × n, of u = −K x that minimizes Σ xᵀQ x + uᵀR u along x' = A x + B u. A and Q are n × n, B is
- * n × m, R is m × m, all row-major. `spectral_radius` may be null: the largest |λ| of A − B K. Allocates.
+ * The gain K, m × n, of u = −K x that minimizes Σ xᵀQ x + uᵀR u along x' = A x + B u. A and Q are n × n, B
+ * is n × m, R is m × m, all row-major. `spectral_radius` may be null: the largest |λ| of A − B K. Allocates.
  */
 rd_status rd_dlqr(size_t states,
                   size_t controls,
@@ -1106,8 +1107,8 @@ rd_status rd_dlqr(size_t states,
                   double *spectral_radius);
 
 /**
- * Makes an observer with nv gains [1/s]. `dissipation`: not 0 counts damping and friction as known. Free it
- * with `rd_momentum_observer_free`.
+ * Makes an observer with nv gains [1/s]. `dissipation`: not 0 counts damping and friction as known. Free
+ * it with `rd_momentum_observer_free`.
  */
 rd_status rd_momentum_observer_new(rd_model model,
                                    const double *gains,
@@ -1121,8 +1122,8 @@ rd_status rd_momentum_observer_new(rd_model model,
 rd_status rd_momentum_observer_free(rd_momentum_observer observer);
 
 /**
- * Enters a sample, h seconds after the last one, and copies the estimated external torques, nv numbers. Does not
- * allocate.
+ * Enters a sample, h seconds after the last one, and copies the estimated external torques, nv numbers. Does
+ * not allocate.
  */
 rd_status rd_momentum_observer_update(rd_momentum_observer observer,
                                       const double *q,
@@ -1210,8 +1211,8 @@ rd_status rd_frame_velocity(rd_workspace workspace,
                             size_t velocity_len);
 
 /**
- * The time derivative of `rd_frame_velocity`'s numbers, linear then angular, 6 numbers [m/s², rad/s²]. Does
- * not allocate.
+ * The time derivative of `rd_frame_velocity`'s numbers, linear then angular, 6 numbers [m/s², rad/s²].
+ * Does not allocate.
  */
 rd_status rd_frame_acceleration(rd_workspace workspace,
                                 uint32_t frame,
@@ -1275,8 +1276,8 @@ rd_status rd_joint_reactions(rd_workspace workspace,
                              size_t reactions_len);
 
 /**
- * Y with tau = Y p, nv × 10 links, row-major; p are the inertial parameters of `rd_inertial_parameters`. Does
- * not allocate.
+ * Y with tau = Y p, nv × 10 links, row-major; p are the inertial parameters of `rd_inertial_parameters`.
+ * Does not allocate.
  */
 rd_status rd_joint_torque_regressor(rd_workspace workspace,
                                     const double *q,
@@ -1339,7 +1340,8 @@ rd_status rd_motion_record_push(rd_motion_record record,
 size_t rd_motion_record_parameter_count(rd_motion_record record);
 
 /**
- * The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is freed.
+ * The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is
+ * freed.
  */
 const char *rd_motion_record_parameter_name(rd_motion_record record, size_t parameter);
 
@@ -1360,8 +1362,8 @@ rd_status rd_identify(rd_motion_record record,
 
 /**
  * Estimates parameters with which every link is a possible body. `regularization` weighs the distance from
- * the described robot, 1e-3 for example. `parameters` has one number for each parameter of the record. `model`
- * may be null; else it is the robot with these parameters. Allocates.
+ * the described robot, 1e-3 for example. `parameters` has one number for each parameter of the record.
+ * `model` may be null; else it is the robot with these parameters. Allocates.
  */
 rd_status rd_identify_consistent(rd_motion_record record,
                                  double regularization,
@@ -1374,8 +1376,8 @@ rd_status rd_identify_consistent(rd_motion_record record,
  * Finds a configuration within the limits in which a frame reaches a target, near the start.
  *
  * `target` has 12 numbers for a pose (the rotation by rows, then the translation), or 3 for a position.
- * `options` and `report` may be null. Without a solution the status is `RD_STATUS_NOT_CONVERGED`, and q is the
- * nearest configuration that was found. Allocates.
+ * `options` and `report` may be null. Without a solution the status is `RD_STATUS_NOT_CONVERGED`, and q is
+ * the nearest configuration that was found. Allocates.
  */
 rd_status rd_inverse_kinematics(rd_workspace workspace,
                                 uint32_t frame,
@@ -1389,8 +1391,9 @@ rd_status rd_inverse_kinematics(rd_workspace workspace,
                                 rd_inverse_kinematics_report *report);
 
 /**
- * A = ∂(q₁, v₁)/∂(q₀, v₀), 2nv × 2nv, and B = ∂(q₁, v₁)/∂tau, 2nv × nv, row-major, of a step without contact by
- * an integrator such as `rk4` or `semi-implicit-euler`. `dissipation`: not 0 for damping and friction. Allocates.
+ * A = ∂(q₁, v₁)/∂(q₀, v₀), 2nv × 2nv, and B = ∂(q₁, v₁)/∂tau, 2nv × nv, row-major, of a step without contact
+ * by an integrator such as `rk4` or `semi-implicit-euler`. `dissipation`: not 0 for damping and friction.
+ * Allocates.
  */
 rd_status rd_linearize_step(rd_workspace workspace,
                             const char *integrator,
@@ -1408,8 +1411,9 @@ rd_status rd_linearize_step(rd_workspace workspace,
                             size_t by_force_len);
 
 /**
- * Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are the
- * torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with `rd_problem_free`.
+ * Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are
+ * the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with
+ * `rd_problem_free`.
  */
 rd_status rd_problem_new(rd_model model,
                          const char *integrator,
@@ -1421,9 +1425,9 @@ rd_status rd_problem_new(rd_model model,
                          rd_problem *problem);
 
 /**
- * Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls are
- * the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0. `state` is
- * x₀ = (q, v).
+ * Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls
+ * are the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0.
+ * `state` is x₀ = (q, v).
  */
 rd_status rd_problem_from_simulation(rd_simulation simulation,
                                      int32_t actuators,
@@ -1443,8 +1447,8 @@ rd_status rd_problem_free(rd_problem problem);
 size_t rd_problem_control_count(rd_problem problem);
 
 /**
- * Adds a cost term of a kind of `rd_cost_kind` to the nodes from `first` to `end` − 1; node N is the last state.
- * `frame` counts only for frames. Costs of the controls end at node N − 1.
+ * Adds a cost term of a kind of `rd_cost_kind` to the nodes from `first` to `end` − 1; node N is the last
+ * state. `frame` counts only for frames. Costs of the controls end at node N − 1.
  */
 rd_status rd_problem_add_cost(rd_problem problem,
                               uint32_t kind,
@@ -1478,9 +1482,9 @@ rd_status rd_problem_set_control_bounds(rd_problem problem,
 rd_status rd_problem_set_initial_state(rd_problem problem, const double *state, size_t state_len);
 
 /**
- * Makes a controller of a problem, with its present costs and bounds. One period is one node. `options` may be
- * null. `iterations` is the most of each period, 0 for the default, 2. `time_budget` is that of a period [s],
- * 0 for none. Free it with `rd_mpc_free`.
+ * Makes a controller of a problem, with its present costs and bounds. One period is one node. `options` may
+ * be null. `iterations` is the most of each period, 0 for the default, 2. `time_budget` is that of a period
+ * [s], 0 for none. Free it with `rd_mpc_free`.
  */
 rd_status rd_mpc_new(rd_problem problem,
                      const rd_solver_options *options,
@@ -1748,8 +1752,8 @@ rd_status rd_centroidal_momentum_matrix(rd_workspace workspace,
                                         size_t matrix_len);
 
 /**
- * The poses of all frames in the world, 12 numbers each: the rotation by rows, then the translation. Does not
- * allocate.
+ * The poses of all frames in the world, 12 numbers each: the rotation by rows, then the translation. Does
+ * not allocate.
  */
 rd_status rd_frame_poses(rd_workspace workspace, const double *q, size_t nq, double *poses, size_t poses_len);
 
@@ -1765,8 +1769,8 @@ rd_status rd_simulation_new(rd_model model, const rd_simulation_options *options
 rd_status rd_simulation_free(rd_simulation simulation);
 
 /**
- * The name of the method that takes the steps. This and the other texts of a simulation are valid until it is
- * freed.
+ * The name of the method that takes the steps. This and the other texts of a simulation are valid until it
+ * is freed.
  */
 const char *rd_simulation_method(rd_simulation simulation);
 

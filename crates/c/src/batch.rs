@@ -8,11 +8,11 @@ use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory};
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result};
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
 use crate::quantities::{InputsC, ResultsC, quantity_of, result_lengths};
-use crate::status::call;
 use crate::workspace::RobotWorkspace;
 
 /// A model with the memory and the threads for batches. It serves one call at a time.
@@ -57,8 +57,9 @@ pub extern "C" fn rd_batch_free(batch: BatchHandle) -> Status {
     call(|| remove::<Batch>(batch.id))
 }
 
-/// Computes a quantity of `states` states. Each array has the rows of all states, one after another; all states
-/// share the frames. If a state is invalid, an error names it, and the results of the others are valid.
+/// Computes a quantity of `states` states. Each array has the rows of all states, one after another; all
+/// states share the frames. If a state is invalid, an error names it, and the results of the others are
+/// valid.
 ///
 /// Quantities without a form for batches are computed one state after another. With one thread the call does
 /// not allocate.

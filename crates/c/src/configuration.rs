@@ -8,10 +8,10 @@ use robot_dynamics::{InputProblem, InvalidInput};
 
 use crate::Status;
 use crate::arrays::{Arrays, text};
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::shared;
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::call;
 
 /// The neutral configuration, nq numbers: zeros, and identity quaternions.
 #[unsafe(no_mangle)]

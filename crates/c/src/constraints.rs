@@ -10,10 +10,10 @@ use robot_dynamics::description::Pose;
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, result};
+use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::{call, query};
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 
 /// Constraints of one model, for any number of threads.
@@ -61,8 +61,8 @@ pub unsafe extern "C" fn rd_constraints_from_file(
     })
 }
 
-/// Supports that hold the origins of frames where they are. `points` has 3 numbers for each frame, its position
-/// in the world \[m\]. Free them with `rd_constraints_free`.
+/// Supports that hold the origins of frames where they are. `points` has 3 numbers for each frame, its
+/// position in the world \[m\]. Free them with `rd_constraints_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_constraints_at_points(
     model: ModelHandle,
@@ -151,8 +151,8 @@ pub extern "C" fn rd_constraints_row_name(constraints: ConstraintsHandle, row: u
     })
 }
 
-/// a and the multipliers lambda of M a + C v + g = tau + Aᵀ lambda with A a = −Ȧ v. Dependent rows are left out.
-/// `multipliers` has one number for each row. Allocates.
+/// a and the multipliers lambda of M a + C v + g = tau + Aᵀ lambda with A a = −Ȧ v. Dependent rows are left
+/// out. `multipliers` has one number for each row. Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_constrained_forward_dynamics(
     workspace: WorkspaceHandle,

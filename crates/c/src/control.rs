@@ -11,9 +11,9 @@ use robot_dynamics::model::{Model, neutral};
 
 use crate::Status;
 use crate::arrays::{Arrays, result};
+use crate::calls::call;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::call;
 
 /// Computed torque: inverse dynamics of a reference with feedback through M.
 #[repr(C)]
@@ -31,8 +31,8 @@ pub(crate) struct TorqueControl {
 object!(TorqueControl, 7, "the controller");
 
 /// Makes tau = M(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g, with nv gains each. The reference is the neutral
-/// configuration at rest until `rd_computed_torque_set_reference`. `dissipation`: not 0 compensates damping and
-/// friction of the joints. Free it with `rd_computed_torque_free`.
+/// configuration at rest until `rd_computed_torque_set_reference`. `dissipation`: not 0 compensates damping
+/// and friction of the joints. Free it with `rd_computed_torque_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_computed_torque_new(
     model: ModelHandle,
@@ -114,8 +114,8 @@ pub unsafe extern "C" fn rd_computed_torque_torque(
     })
 }
 
-/// The gain K, m × n, of u = −K x that minimizes Σ xᵀQ x + uᵀR u along x' = A x + B u. A and Q are n × n, B is
-/// n × m, R is m × m, all row-major. `spectral_radius` may be null: the largest |λ| of A − B K. Allocates.
+/// The gain K, m × n, of u = −K x that minimizes Σ xᵀQ x + uᵀR u along x' = A x + B u. A and Q are n × n, B
+/// is n × m, R is m × m, all row-major. `spectral_radius` may be null: the largest |λ| of A − B K. Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_dlqr(
     states: usize,

@@ -5,10 +5,10 @@ use robot_dynamics_number::check_result;
 
 use crate::Status;
 use crate::arrays::Arrays;
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::exclusive;
 use crate::quantities::pose_numbers;
-use crate::status::call;
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 
 /// The axes and the point of a frame's velocity, acceleration, Jacobian or wrench.
@@ -85,8 +85,8 @@ pub unsafe extern "C" fn rd_frame_velocity(
     })
 }
 
-/// The time derivative of `rd_frame_velocity`'s numbers, linear then angular, 6 numbers \[m/s², rad/s²\]. Does
-/// not allocate.
+/// The time derivative of `rd_frame_velocity`'s numbers, linear then angular, 6 numbers \[m/s², rad/s²\].
+/// Does not allocate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_frame_acceleration(
     workspace: WorkspaceHandle,
@@ -226,8 +226,8 @@ pub unsafe extern "C" fn rd_joint_reactions(
     })
 }
 
-/// Y with tau = Y p, nv × 10 links, row-major; p are the inertial parameters of `rd_inertial_parameters`. Does
-/// not allocate.
+/// Y with tau = Y p, nv × 10 links, row-major; p are the inertial parameters of `rd_inertial_parameters`.
+/// Does not allocate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_joint_torque_regressor(
     workspace: WorkspaceHandle,
@@ -277,7 +277,7 @@ pub unsafe extern "C" fn rd_inertial_parameters(
 /// The number of inertial parameters of the moving links; 0 if the handle is invalid.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_inertial_parameter_count(workspace: WorkspaceHandle) -> usize {
-    crate::status::query(0, || Ok(parameter_count(&*exclusive::<RobotWorkspace>(workspace.id)?)))
+    crate::calls::query(0, || Ok(parameter_count(&*exclusive::<RobotWorkspace>(workspace.id)?)))
 }
 
 fn parameter_count(robot: &RobotWorkspace) -> usize {

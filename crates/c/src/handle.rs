@@ -1,11 +1,11 @@
 //! Handles of objects.
 //!
 //! A handle is a number: eight bits of the kind, 24 of the generation, 32 of the index in the table of its
-//! kind. Freeing an object increases the generation of its slot, so an old handle no longer fits. A slot has a
-//! generation of its own for 2²⁴ objects; then the numbers repeat.
+//! kind. Freeing an object increases the generation of its slot, so an old handle no longer fits. A slot has
+//! a generation of its own for 2²⁴ objects; then the numbers repeat.
 //!
-//! Looking up a handle takes a lock without waiting: one atomic operation, and one more at the end. A read lock
-//! fails only while the object is freed, a write lock also while another call uses the object.
+//! Looking up a handle takes a lock without waiting: one atomic operation, and one more at the end. A read
+//! lock fails only while the object is freed, a write lock also while another call uses the object.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};

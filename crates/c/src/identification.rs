@@ -11,10 +11,10 @@ use robot_dynamics::model::Model;
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, result};
+use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::{call, query};
 
 /// A record of measured motions.
 #[repr(C)]
@@ -149,7 +149,8 @@ pub extern "C" fn rd_motion_record_parameter_count(record: MotionRecordHandle) -
     query(0, || Ok(shared::<Record>(record.id)?.names.len()))
 }
 
-/// The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is freed.
+/// The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is
+/// freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_motion_record_parameter_name(
     record: MotionRecordHandle,
@@ -201,8 +202,8 @@ pub unsafe extern "C" fn rd_identify(
 }
 
 /// Estimates parameters with which every link is a possible body. `regularization` weighs the distance from
-/// the described robot, 1e-3 for example. `parameters` has one number for each parameter of the record. `model`
-/// may be null; else it is the robot with these parameters. Allocates.
+/// the described robot, 1e-3 for example. `parameters` has one number for each parameter of the record.
+/// `model` may be null; else it is the robot with these parameters. Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_identify_consistent(
     record: MotionRecordHandle,

@@ -6,10 +6,10 @@ use robot_dynamics::control::{
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result};
+use crate::calls::call;
 use crate::constraints::pose_of;
 use crate::failure::Failure;
 use crate::handle::exclusive;
-use crate::status::call;
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 
 /// Options of inverse kinematics. A structure filled with zeros selects the defaults.
@@ -67,8 +67,8 @@ impl InverseKinematicsOptionsC {
 /// Finds a configuration within the limits in which a frame reaches a target, near the start.
 ///
 /// `target` has 12 numbers for a pose (the rotation by rows, then the translation), or 3 for a position.
-/// `options` and `report` may be null. Without a solution the status is `RD_STATUS_NOT_CONVERGED`, and q is the
-/// nearest configuration that was found. Allocates.
+/// `options` and `report` may be null. Without a solution the status is `RD_STATUS_NOT_CONVERGED`, and q is
+/// the nearest configuration that was found. Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_inverse_kinematics(
     workspace: WorkspaceHandle,

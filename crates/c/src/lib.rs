@@ -1,11 +1,12 @@
 //! The C interface of robot-dynamics. `cpp/include/robot_dynamics.h` is written from this crate by cbindgen.
 //!
 //! - Objects are handles: a kind, a generation and an index in a table. Every call checks its handles, so a
-//!   null handle, a handle of another kind and a handle of a freed object are errors, not undefined behaviour.
-//! - Functions return a [`Status`]. [`rd_error_message`](status::rd_error_message) has the text of the last
+//!   null handle, a handle of another kind and a handle of a freed object are errors, not undefined
+//!   behaviour.
+//! - Functions return a [`Status`]. [`rd_error_message`](calls::rd_error_message) has the text of the last
 //!   error of the calling thread.
-//! - Arrays are a pointer and a length. Pointers that are null or not aligned, wrong lengths, and outputs that
-//!   overlap other arrays are errors.
+//! - Arrays are a pointer and a length. Pointers that are null or not aligned, wrong lengths, and outputs
+//!   that overlap other arrays are errors.
 //! - No panic crosses the interface; a panic is the status `RD_STATUS_PANIC`.
 //! - A model is immutable and may be used by many threads at once. Every other object serves one call at a
 //!   time; a second call at the same time returns `RD_STATUS_IN_USE`.
@@ -22,6 +23,7 @@ mod arrays;
 mod failure;
 mod handle;
 
+pub mod calls;
 pub mod status;
 
 pub mod configuration;

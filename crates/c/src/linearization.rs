@@ -7,12 +7,13 @@ use robot_dynamics::simulation::{Integrator, StepForces};
 
 use crate::Status;
 use crate::arrays::{Arrays, text};
+use crate::calls::call;
 use crate::handle::exclusive;
-use crate::status::call;
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 
-/// A = ∂(q₁, v₁)/∂(q₀, v₀), 2nv × 2nv, and B = ∂(q₁, v₁)/∂tau, 2nv × nv, row-major, of a step without contact by
-/// an integrator such as `rk4` or `semi-implicit-euler`. `dissipation`: not 0 for damping and friction. Allocates.
+/// A = ∂(q₁, v₁)/∂(q₀, v₀), 2nv × 2nv, and B = ∂(q₁, v₁)/∂tau, 2nv × nv, row-major, of a step without contact
+/// by an integrator such as `rk4` or `semi-implicit-euler`. `dissipation`: not 0 for damping and friction.
+/// Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_linearize_step(
     workspace: WorkspaceHandle,

@@ -5,11 +5,12 @@ use std::ffi::c_char;
 use robot_dynamics::{FileError, FileSet, LoadOptions, LoadedDescription};
 use robot_dynamics::{load_description, load_description_from_files, load_description_from_text};
 
+use crate::Status;
 use crate::arrays::{Arrays, optional_text, options, result, text};
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::{insert, remove};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::{Status, call};
 
 /// Options of loading a robot. A structure filled with zeros selects the defaults.
 #[repr(C)]
@@ -72,8 +73,8 @@ fn store(described: Result<LoadedDescription, FileError>, model: &mut ModelHandl
     Ok(())
 }
 
-/// Loads a robot from a URDF, MJCF, SDF, USD or scene file. `options` may be null. Suspicious values are taken
-/// as written and reported: see `rd_model_report`. Free the model with `rd_model_free`.
+/// Loads a robot from a URDF, MJCF, SDF, USD or scene file. `options` may be null. Suspicious values are
+/// taken as written and reported: see `rd_model_report`. Free the model with `rd_model_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_load(
     path: *const c_char,

@@ -9,9 +9,9 @@ use robot_dynamics::model::{FrameId, Model};
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, result, text};
+use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::{object, shared};
-use crate::status::{call, query};
 
 /// A robot: immutable, for any number of threads.
 #[repr(C)]

@@ -18,12 +18,12 @@ use robot_dynamics::simulation::Integrator;
 
 use crate::Status;
 use crate::arrays::{Arrays, result, text};
+use crate::calls::call;
 use crate::constraints::pose_of;
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel, frame_of};
 use crate::simulation::{RobotSimulation, SimulationHandle};
-use crate::status::call;
 
 /// An optimal control problem. The state x is (q, v), the controls u are torques or controls of actuators.
 #[repr(C)]
@@ -114,8 +114,9 @@ fn store(model: &Arc<Model>, frames: &[FrameId], problem: Problem) -> Result<u64
     insert(OptimalProblem(Mutex::new(parts)))
 }
 
-/// Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are the
-/// torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with `rd_problem_free`.
+/// Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are
+/// the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with
+/// `rd_problem_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_problem_new(
     model: ModelHandle,
@@ -140,9 +141,9 @@ pub unsafe extern "C" fn rd_problem_new(
     })
 }
 
-/// Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls are
-/// the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0. `state` is
-/// x₀ = (q, v).
+/// Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls
+/// are the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0.
+/// `state` is x₀ = (q, v).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_problem_from_simulation(
     simulation: SimulationHandle,
@@ -177,11 +178,11 @@ pub extern "C" fn rd_problem_free(problem: ProblemHandle) -> Status {
 /// The number of controls of each node; 0 if the handle is invalid.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_problem_control_count(problem: ProblemHandle) -> usize {
-    crate::status::query(0, || Ok(exclusive::<OptimalProblem>(problem.id)?.parts().problem.controls(0)))
+    crate::calls::query(0, || Ok(exclusive::<OptimalProblem>(problem.id)?.parts().problem.controls(0)))
 }
 
-/// Adds a cost term of a kind of `rd_cost_kind` to the nodes from `first` to `end` − 1; node N is the last state.
-/// `frame` counts only for frames. Costs of the controls end at node N − 1.
+/// Adds a cost term of a kind of `rd_cost_kind` to the nodes from `first` to `end` − 1; node N is the last
+/// state. `frame` counts only for frames. Costs of the controls end at node N − 1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_problem_add_cost(
     problem: ProblemHandle,

@@ -10,9 +10,9 @@ use robot_dynamics_number::check_result;
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result, text};
+use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::exclusive;
-use crate::status::{call, query};
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 
 /// A quantity of the table. Matrices are row-major.

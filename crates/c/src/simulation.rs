@@ -2,6 +2,7 @@
 
 pub mod contacts;
 pub mod inputs;
+mod sensor_layout;
 pub mod sensors;
 pub mod snapshots;
 
@@ -13,11 +14,13 @@ use robot_dynamics::simulation::{Effect, Method, Simulation, SimulationBuilder};
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, optional_text, options, result};
+use crate::calls::{call, query};
 use crate::configuration::check_finite;
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::{call, query};
+
+use self::sensor_layout::Sensors;
 
 /// A simulation of one robot. It serves one call at a time.
 #[repr(C)]
@@ -34,7 +37,7 @@ pub(crate) struct RobotSimulation {
     reason: CString,
     left_out: CString,
     control_names: Vec<CString>,
-    sensors: sensors::Sensors,
+    sensors: Sensors,
 }
 
 object!(RobotSimulation, 5, "the simulation");
@@ -157,7 +160,7 @@ pub unsafe extern "C" fn rd_simulation_new(
             reason: c_text(simulation.reason()),
             left_out: c_text(&left_out.join("\n")),
             control_names: simulation.control_names().map(c_text).collect(),
-            sensors: sensors::Sensors::of(&simulation),
+            sensors: Sensors::of(&simulation),
             simulation,
         })?;
         Ok(())
@@ -181,8 +184,8 @@ fn text_of(
     })
 }
 
-/// The name of the method that takes the steps. This and the other texts of a simulation are valid until it is
-/// freed.
+/// The name of the method that takes the steps. This and the other texts of a simulation are valid until it
+/// is freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_simulation_method(simulation: SimulationHandle) -> *const c_char {
     text_of(simulation, |own| Some(own.method.as_ptr()))

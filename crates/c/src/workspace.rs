@@ -8,10 +8,10 @@ use robot_dynamics::model::{FrameId, Model, Workspace, check_configuration, chec
 
 use crate::Status;
 use crate::arrays::result;
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::{insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel, frame_of};
-use crate::status::call;
 
 /// A model with the memory of its algorithms. It serves one call at a time: make one for each thread.
 #[repr(C)]

@@ -7,9 +7,9 @@ use robot_dynamics::model::Model;
 
 use crate::Status;
 use crate::arrays::{Arrays, result};
+use crate::calls::call;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::call;
 
 /// An observer of the external torques, from measured states and motor torques.
 #[repr(C)]
@@ -27,8 +27,8 @@ pub(crate) struct Observer {
 
 object!(Observer, 9, "the observer");
 
-/// Makes an observer with nv gains \[1/s\]. `dissipation`: not 0 counts damping and friction as known. Free it
-/// with `rd_momentum_observer_free`.
+/// Makes an observer with nv gains \[1/s\]. `dissipation`: not 0 counts damping and friction as known. Free
+/// it with `rd_momentum_observer_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_momentum_observer_new(
     model: ModelHandle,
@@ -56,8 +56,8 @@ pub extern "C" fn rd_momentum_observer_free(observer: MomentumObserverHandle) ->
     call(|| remove::<Observer>(observer.id))
 }
 
-/// Enters a sample, h seconds after the last one, and copies the estimated external torques, nv numbers. Does not
-/// allocate.
+/// Enters a sample, h seconds after the last one, and copies the estimated external torques, nv numbers. Does
+/// not allocate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_momentum_observer_update(
     observer: MomentumObserverHandle,

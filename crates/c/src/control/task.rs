@@ -10,11 +10,11 @@ use robot_dynamics::simulation::Controller;
 
 use crate::Status;
 use crate::arrays::{Arrays, result};
+use crate::calls::call;
 use crate::constraints::pose_of;
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
 use crate::model::{ModelHandle, RobotModel};
-use crate::status::call;
 
 /// Control of the position or the pose of a frame.
 #[repr(C)]

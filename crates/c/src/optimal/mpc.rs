@@ -6,8 +6,8 @@ use robot_dynamics::control::optimal::{Mpc, MpcOptions};
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result};
+use crate::calls::call;
 use crate::handle::{exclusive, insert, object, remove};
-use crate::status::call;
 
 use super::solution::{SolverOptionsC, time};
 use super::{OptimalProblem, ProblemHandle};
@@ -47,9 +47,9 @@ pub struct MpcTimesC {
     pub over_budget: usize,
 }
 
-/// Makes a controller of a problem, with its present costs and bounds. One period is one node. `options` may be
-/// null. `iterations` is the most of each period, 0 for the default, 2. `time_budget` is that of a period \[s\],
-/// 0 for none. Free it with `rd_mpc_free`.
+/// Makes a controller of a problem, with its present costs and bounds. One period is one node. `options` may
+/// be null. `iterations` is the most of each period, 0 for the default, 2. `time_budget` is that of a period
+/// \[s\], 0 for none. Free it with `rd_mpc_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_mpc_new(
     problem: ProblemHandle,

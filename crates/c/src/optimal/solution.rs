@@ -6,9 +6,9 @@ use robot_dynamics::control::optimal::{Fddp, FddpOptions, FddpReport, Terminatio
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result};
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::exclusive;
-use crate::status::call;
 
 use super::{OptimalProblem, ProblemHandle};
 

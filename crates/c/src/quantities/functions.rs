@@ -3,7 +3,7 @@
 use robot_dynamics::quantity::Quantity;
 
 use crate::Status;
-use crate::status::call;
+use crate::calls::call;
 use crate::workspace::WorkspaceHandle;
 
 use super::{InputsC, ResultsC, compute};
@@ -294,8 +294,8 @@ pub unsafe extern "C" fn rd_centroidal_momentum_matrix(
     of_q(workspace, Quantity::CentroidalMomentumMatrix, (q, nq), (matrix, matrix_len))
 }
 
-/// The poses of all frames in the world, 12 numbers each: the rotation by rows, then the translation. Does not
-/// allocate.
+/// The poses of all frames in the world, 12 numbers each: the rotation by rows, then the translation. Does
+/// not allocate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_frame_poses(
     workspace: WorkspaceHandle,

@@ -2,8 +2,8 @@
 
 use crate::Status;
 use crate::arrays::{Arrays, result};
+use crate::calls::call;
 use crate::handle::shared;
-use crate::status::call;
 
 use super::{RobotSimulation, SimulationHandle};
 

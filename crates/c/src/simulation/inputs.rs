@@ -6,11 +6,11 @@ use robot_dynamics::simulation::AppliedWrench;
 
 use crate::Status;
 use crate::arrays::{Arrays, text};
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::frames::reference_frame;
 use crate::handle::exclusive;
 use crate::model::frame_of;
-use crate::status::call;
 
 use super::{RobotSimulation, SimulationHandle};
 

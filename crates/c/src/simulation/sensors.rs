@@ -1,34 +1,14 @@
 //! The sensors of the robot's file.
 
-use std::ffi::{CString, c_char};
-
-use robot_dynamics::simulation::Simulation;
+use std::ffi::c_char;
 
 use crate::Status;
-use crate::arrays::{Arrays, c_text, result};
+use crate::arrays::{Arrays, result};
+use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::shared;
-use crate::status::{call, query};
 
 use super::{RobotSimulation, SimulationHandle, text_of};
-
-/// The sensors' names and the place of their values.
-pub(super) struct Sensors {
-    names: Vec<CString>,
-    /// The first value of each, and the number of all.
-    starts: Vec<usize>,
-}
-
-impl Sensors {
-    pub(super) fn of(simulation: &Simulation) -> Self {
-        let (mut names, mut starts) = (Vec::new(), vec![0]);
-        for (name, values) in simulation.sensors() {
-            names.push(c_text(&name));
-            starts.push(starts[starts.len() - 1] + values.len());
-        }
-        Self { names, starts }
-    }
-}
 
 /// The number of sensors; 0 if the handle is invalid.
 #[unsafe(no_mangle)]

@@ -4,9 +4,9 @@ use robot_dynamics::simulation::Snapshot;
 
 use crate::Status;
 use crate::arrays::result;
+use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::{exclusive, insert, object, remove, shared};
-use crate::status::call;
 
 use super::{RobotSimulation, SimulationHandle};
 
