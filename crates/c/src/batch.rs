@@ -143,10 +143,10 @@ fn one_by_one(
             if quantity.inverts_mass() { single.check_rank(q) } else { Ok(()) }
         };
         if let Err(failure) = check() {
-            out.iter_mut().for_each(|out| {
+            for out in &mut out {
                 let width = out.len() / states;
                 out[state * width..][..width].fill(f64::NAN);
-            });
+            }
             bad.get_or_insert(Failure::new(failure.status, format!("state {state}: {failure}")));
             continue;
         }

@@ -30,9 +30,12 @@ const FIRST: usize = 64;
 const CHUNKS: usize = 26;
 const GENERATIONS: u32 = 1 << 24;
 
+/// Slots that are made together.
+type Chunk<T> = Box<[RwLock<Slot<T>>]>;
+
 /// The objects of one kind. Slots never move, and are never released.
 pub(crate) struct Table<T> {
-    chunks: [OnceLock<Box<[RwLock<Slot<T>>]>>; CHUNKS],
+    chunks: [OnceLock<Chunk<T>>; CHUNKS],
     free: Mutex<Free>,
 }
 
@@ -78,14 +81,12 @@ fn position(index: u32) -> (usize, usize) {
 pub(crate) fn insert<T: Object>(object: T) -> Result<u64, Failure> {
     let table = T::table();
     let mut free = table.free.lock().unwrap_or_else(PoisonError::into_inner);
-    let index = match free.slots.pop() {
-        Some(index) => index,
-        None => {
-            let index = free.end;
-            free.end =
-                index.checked_add(1).ok_or_else(|| Failure::new(Status::System, "too many objects"))?;
-            index
-        }
+    let index = if let Some(index) = free.slots.pop() {
+        index
+    } else {
+        let index = free.end;
+        free.end = index.checked_add(1).ok_or_else(|| Failure::new(Status::System, "too many objects"))?;
+        index
     };
     drop(free);
     let (chunk, offset) = position(index);

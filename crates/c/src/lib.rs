@@ -18,6 +18,8 @@
 #![allow(unsafe_code, unsafe_op_in_unsafe_fn)]
 // The section above is the contract of all functions.
 #![allow(clippy::missing_safety_doc)]
+// Frames and parameters are fewer than 2³², and a handle is taken apart into its fields.
+#![allow(clippy::cast_possible_truncation)]
 
 mod arrays;
 mod failure;
