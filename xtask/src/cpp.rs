@@ -37,6 +37,7 @@ pub(crate) fn run() -> Result<(), String> {
     test.arg("--output-on-failure").current_dir(&build);
     step("cpp: tests", test)?;
     check_symbols(&build)?;
+    sanitize(&folder.join("sanitized"))?;
     let mut install = cmake();
     install.arg("--install").arg(&build).arg("--prefix").arg(&prefix);
     step("cpp: install", install)?;
@@ -48,7 +49,23 @@ pub(crate) fn run() -> Result<(), String> {
     let mut example = Command::new(users.join("hold"));
     example.arg(root().join("robots/panda.urdf"));
     step("cpp: an example", example)?;
-    by_pkg_config(&prefix, &folder.join("hold_c"))
+    by_pkg_config(&prefix, &folder.join("hold_c"))?;
+    by_fetch_content(&folder.join("fetch_content"))
+}
+
+/// Builds a project that takes the sources by FetchContent and links statically, and runs it.
+fn by_fetch_content(folder: &Path) -> Result<(), String> {
+    let mut configure = cmake();
+    configure.arg("-S").arg(root().join("cpp/tests/fetch_content")).arg("-B").arg(folder);
+    configure.arg(format!("-DSOURCES={}", root().display()));
+    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target_folder().display()));
+    step("cpp: configure with FetchContent", configure)?;
+    let mut build = built(folder);
+    build.args(["--target", "hold"]);
+    step("cpp: build with FetchContent", build)?;
+    let mut run = Command::new(folder.join("hold"));
+    run.arg(root().join("robots/panda.urdf"));
+    step("cpp: run it", run)
 }
 
 fn cmake() -> Command {
@@ -73,6 +90,24 @@ fn install() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Runs the tests with the sanitizers of addresses, leaks and undefined behaviour in C and C++. The library's own
+/// allocations pass through the same checks; its code is not instrumented.
+fn sanitize(folder: &Path) -> Result<(), String> {
+    let sanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
+    let mut configure = cmake();
+    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(folder);
+    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target_folder().display()));
+    configure.args(["-DCMAKE_BUILD_TYPE=Debug", "-DROBOT_DYNAMICS_INSTALL=OFF"]);
+    for language in ["C", "CXX"] {
+        configure.arg(format!("-DCMAKE_{language}_FLAGS={sanitizers}"));
+    }
+    step("cpp: configure with sanitizers", configure)?;
+    step("cpp: build with sanitizers", built(folder))?;
+    let mut test = Command::new("ctest");
+    test.arg("--output-on-failure").current_dir(folder);
+    step("cpp: tests with sanitizers", test)
 }
 
 /// Compiles the C example by the flags of pkg-config, with the static library, and runs it.
