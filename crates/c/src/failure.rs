@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt;
 
 use robot_dynamics::{Classified, ErrorKind};
+use robot_dynamics_number::are_finite;
 
 use crate::Status;
 
@@ -30,6 +31,11 @@ impl Failure {
         let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
         Self::new(Status::Panic, text.unwrap_or_else(|| "the library panicked without a message".into()))
     }
+}
+
+/// Checks that results of finite arguments are finite.
+pub(crate) fn check_result(quantity: &str, results: &[f64]) -> Result<(), Failure> {
+    if are_finite(results) { Ok(()) } else { Ok(robot_dynamics_number::check_result(quantity, results)?) }
 }
 
 impl fmt::Display for Failure {

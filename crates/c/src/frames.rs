@@ -1,12 +1,11 @@
 //! Motions of frames.
 
 use robot_dynamics::algorithms::{self, ReferenceFrame};
-use robot_dynamics_number::check_result;
 
 use crate::Status;
 use crate::arrays::Arrays;
 use crate::calls::call;
-use crate::failure::Failure;
+use crate::failure::{Failure, check_result};
 use crate::handle::exclusive;
 use crate::quantities::pose_numbers;
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
@@ -53,7 +52,7 @@ pub unsafe extern "C" fn rd_frame_pose(
         robot.check_q(q)?;
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         pose_numbers(&algorithms::frame_pose(model, memory, q, frame), pose);
-        Ok(check_result("the pose", &*pose)?)
+        check_result("the pose", &*pose)
     })
 }
 
@@ -138,7 +137,7 @@ pub unsafe extern "C" fn rd_frame_jacobian(
         robot.check_q(q)?;
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         algorithms::frame_jacobian(model, memory, q, frame, reference, out);
-        Ok(check_result("the Jacobian", &*out)?)
+        check_result("the Jacobian", &*out)
     })
 }
 
@@ -191,7 +190,7 @@ pub unsafe extern "C" fn rd_center_of_mass_velocity(
         robot.check_v("v", v)?;
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         out.copy_from_slice(&algorithms::center_of_mass_velocity(model, memory, q, v));
-        Ok(check_result("the velocity of the centre of mass", &*out)?)
+        check_result("the velocity of the centre of mass", &*out)
     })
 }
 
@@ -222,7 +221,7 @@ pub unsafe extern "C" fn rd_joint_reactions(
         robot.check_v("a", a)?;
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         algorithms::joint_reactions(model, memory, q, v, a, &[], out);
-        Ok(check_result("the reactions", &*out)?)
+        check_result("the reactions", &*out)
     })
 }
 
@@ -253,7 +252,7 @@ pub unsafe extern "C" fn rd_joint_torque_regressor(
         robot.check_v("a", a)?;
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         algorithms::joint_torque_regressor(model, memory, q, v, a, out);
-        Ok(check_result("the regressor", &*out)?)
+        check_result("the regressor", &*out)
     })
 }
 
@@ -287,5 +286,5 @@ fn parameter_count(robot: &RobotWorkspace) -> usize {
 fn store([linear, angular]: [[f64; 3]; 2], out: &mut [f64]) -> Result<(), Failure> {
     out[..3].copy_from_slice(&linear);
     out[3..].copy_from_slice(&angular);
-    Ok(check_result("the motion of the frame", &*out)?)
+    check_result("the motion of the frame", &*out)
 }

@@ -6,12 +6,11 @@ use std::ffi::{c_char, c_void};
 
 use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
-use robot_dynamics_number::check_result;
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result, text};
 use crate::calls::{call, query};
-use crate::failure::Failure;
+use crate::failure::{Failure, check_result};
 use crate::handle::exclusive;
 use crate::workspace::{RobotWorkspace, WorkspaceHandle};
 

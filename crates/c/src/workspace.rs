@@ -26,6 +26,8 @@ pub(crate) struct RobotWorkspace {
     pub(crate) memory: Workspace,
     pub(crate) poses: Vec<Pose>,
     pub(crate) frames: Vec<FrameId>,
+    /// Whether M may be singular in a configuration.
+    checks_rank: bool,
 }
 
 object!(RobotWorkspace, 2, "the workspace");
@@ -34,7 +36,8 @@ impl RobotWorkspace {
     pub(crate) fn new(robot: &RobotModel) -> Self {
         let poses = vec![Pose::default(); robot.frames.len()];
         let memory = Workspace::new(&robot.model);
-        Self { memory, poses, frames: robot.frames.clone(), model: Arc::clone(&robot.model) }
+        let checks_rank = !robot.model.is_always_regular();
+        Self { memory, poses, frames: robot.frames.clone(), checks_rank, model: Arc::clone(&robot.model) }
     }
 
     pub(crate) fn frame(&self, frame: u32) -> Result<FrameId, Failure> {
@@ -53,7 +56,10 @@ impl RobotWorkspace {
 
     /// Refuses a configuration with a singular M.
     pub(crate) fn check_rank(&mut self, q: &[f64]) -> Result<(), Failure> {
-        Ok(check_rank(&self.model, &mut self.memory, q)?)
+        if self.checks_rank {
+            check_rank(&self.model, &mut self.memory, q)?;
+        }
+        Ok(())
     }
 }
 

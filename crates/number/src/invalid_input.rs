@@ -218,6 +218,27 @@ impl Classified for InvalidInput {
     }
 }
 
+/// Whether all numbers are finite. It has no branch for each number, so it is vectorized.
+///
+/// ```
+/// use robot_dynamics_number::are_finite;
+/// assert!(are_finite(&[0.0, -1e308, f64::MIN_POSITIVE]));
+/// assert!(!are_finite(&[0.0, f64::NEG_INFINITY]) && !are_finite(&[f64::NAN]));
+/// ```
+pub fn are_finite(values: &[f64]) -> bool {
+    // All bits of the exponent are set if a number is not finite. Its lowest bit, added, then sets the sign bit.
+    let overflow = |x: f64| (x.to_bits() & !(1 << 63)) + (1 << 52);
+    let mut bits = [0_u64; 8];
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder().iter().fold(0, |bits, x| bits | overflow(*x));
+    for chunk in chunks {
+        for (bits, x) in bits.iter_mut().zip(chunk) {
+            *bits |= overflow(*x);
+        }
+    }
+    bits.iter().fold(rest, |all, bits| all | bits) >> 63 == 0
+}
+
 /// Checks that all entries are finite.
 ///
 /// ```
@@ -229,6 +250,9 @@ impl Classified for InvalidInput {
 /// # Errors
 /// [`InputProblem::NotFinite`] with the first entry that is NaN or infinite.
 pub fn check_finite(quantity: &str, values: &[f64]) -> Result<(), InvalidInput> {
+    if are_finite(values) {
+        return Ok(());
+    }
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => {
             let problem =
@@ -295,6 +319,24 @@ pub fn check_result<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_are_not_finite_are_found_at_each_place() {
+        let odd =
+            [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::from_bits(0x7ff0_0000_0000_0001)];
+        for length in 0..40 {
+            let mut values = vec![f64::MAX; length];
+            values.iter_mut().step_by(3).for_each(|x| *x = -f64::from_bits(1));
+            assert!(are_finite(&values));
+            for index in 0..length {
+                for x in odd {
+                    let kept = std::mem::replace(&mut values[index], x);
+                    assert!(!are_finite(&values), "{x} at {index} of {length}");
+                    values[index] = kept;
+                }
+            }
+        }
+    }
 
     #[test]
     fn unknown_names_list_some_of_the_known_ones() {

@@ -68,7 +68,7 @@ pub use error_kind::{Classified, ErrorKind};
 pub use float::Float;
 pub use instruction_set::InstructionSet;
 pub use invalid_input::{
-    InputProblem, InvalidInput, check_finite, check_number, check_positive, check_result,
+    InputProblem, InvalidInput, are_finite, check_finite, check_number, check_positive, check_result,
 };
 pub use random::SplitMix64;
 pub use scalar::Scalar;

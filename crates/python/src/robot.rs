@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyString;
-use robot_dynamics::description::{JointKind, LoadReport, RobotDescription};
+use robot_dynamics::description::{LoadReport, RobotDescription};
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::simulation::{SensorSet, Simulation};
@@ -69,20 +69,6 @@ pub(crate) fn example_text(name: &str) -> PyResult<&'static str> {
     })
 }
 
-/// Whether M is positive definite in every configuration because each link behind a joint is a body with
-/// inertia in all directions. If not, M may still be positive definite; it is then checked in each
-/// configuration.
-fn has_margin(description: &RobotDescription) -> bool {
-    let moved = description.joints.iter().filter(|joint| joint.kind != JointKind::Fixed);
-    moved.map(|joint| &joint.child).all(|child| {
-        let link = description.links.iter().find(|link| link.name == *child);
-        link.and_then(|link| link.mass_properties.as_ref()).is_some_and(|body| {
-            let moments = body.inertia_about_center_of_mass().symmetric_eigenvalues();
-            body.mass() > 0.0 && moments.min() > 1e-9 * moments.max()
-        })
-    })
-}
-
 /// Where quaternions begin in q: of the joints with a number more in q than in v.
 fn quaternions_of(model: &Model) -> Vec<usize> {
     let joints = model.joints().iter().filter(|joint| joint.nq > joint.nv);
@@ -113,7 +99,7 @@ impl Robot {
             by_name,
             frames,
             quaternions: quaternions_of(&model),
-            watches_rank: !has_margin(model.description()),
+            watches_rank: !model.is_always_regular(),
             massless,
             sensors: OnceLock::new(),
             prepared: Mutex::new(None),

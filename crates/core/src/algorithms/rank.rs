@@ -210,6 +210,29 @@ impl Model {
         self.check_mass(q)
     }
 
+    /// Whether M is positive definite in every configuration because each link behind a joint is a body with
+    /// inertia in all directions. If not, M may still be positive definite, and [`check_rank`] decides in each
+    /// configuration. It computes the principal moments of all links; store the answer for loops.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{RandomRobotOptions, pendulum, random_robot};
+    /// use robot_dynamics::model::Model;
+    /// assert!(Model::new(random_robot(3, &RandomRobotOptions::default()))?.is_always_regular());
+    /// assert!(!Model::new(pendulum(2.0, 0.5))?.is_always_regular()); // a point mass on a rod
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn is_always_regular(&self) -> bool {
+        let description = self.description();
+        let moved = description.joints.iter().filter(|joint| joint.kind.nv() > 0);
+        moved.map(|joint| &joint.child).all(|child| {
+            let link = description.links.iter().find(|link| link.name == *child);
+            link.and_then(|link| link.mass_properties.as_ref()).is_some_and(|body| {
+                let moments = body.inertia_about_center_of_mass().symmetric_eigenvalues();
+                body.mass() > 0.0 && moments.min() > 1e-9 * moments.max()
+            })
+        })
+    }
+
     /// [`Model::check_rank`] for a q that is already checked.
     pub fn check_mass(&self, q: &[f64]) -> Result<(), MotionError> {
         let mut tree = TreeMemory::limited(self, &[], InstructionSet::best());

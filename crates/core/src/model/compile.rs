@@ -74,7 +74,9 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
         carries[body.parent] = true;
     }
     let points = choose_points(&mut bodies, &travels);
+    let quaternions = joints.iter().filter(|joint| joint.nq > joint.nv);
     let mut model = Model {
+        quaternions: quaternions.map(|joint| joint.q_index + joint.nq - 4).collect(),
         joints,
         links: model_links,
         frames,

@@ -53,6 +53,8 @@ pub struct Model {
     pub(crate) leaf_count: usize,
     /// The index in q of the first body's angle, if the angles of the next bodies follow it in order.
     pub(crate) first_angle: Option<usize>,
+    /// The indices in q of the first number of each quaternion.
+    pub(crate) quaternions: Vec<usize>,
     pub points: ReferencePoints,
     /// The joints with an axis along which their motion has no kinetic energy in any pose.
     pub massless: Vec<usize>,

@@ -1,8 +1,8 @@
 //! Rejects an invalid configuration q, and invalid vectors over the DoFs.
 
-use robot_dynamics_number::{InputProblem, InvalidInput};
+use robot_dynamics_number::{InputProblem, InvalidInput, are_finite};
 
-use super::{Chart, CoordinateRange, coordinate_ranges, quaternion_at};
+use super::quaternion_at;
 use crate::Model;
 
 /// Checks that q has nq finite numbers and that its quaternions have unit length to within 1e-6.
@@ -33,15 +33,12 @@ pub fn check_configuration(model: &Model, q: &[f64]) -> Result<(), InvalidInput>
         };
         return Err(wrong_length(model, "q", q.len(), model.nq, hint));
     }
-    if let Some(index) = q.iter().position(|x| !x.is_finite()) {
+    if !are_finite(q)
+        && let Some(index) = q.iter().position(|x| !x.is_finite())
+    {
         return Err(not_finite("q", index, joint_of(model, index), q[index]));
     }
-    for CoordinateRange { chart, q: i, .. } in coordinate_ranges(model) {
-        let first = match chart {
-            Chart::Line => continue,
-            Chart::Rotation => i,
-            Chart::Placement => i + 3,
-        };
+    for &first in &model.quaternions {
         let norm = quaternion_at(q, first).norm();
         if (norm - 1.0).abs() > 1e-6 {
             let problem = InputProblem::NotAUnitQuaternion { first, joint: joint_of(model, first), norm };
@@ -67,6 +64,9 @@ pub fn check_configuration(model: &Model, q: &[f64]) -> Result<(), InvalidInput>
 pub fn check_vector(model: &Model, quantity: &str, x: &[f64]) -> Result<(), InvalidInput> {
     if x.len() != model.nv {
         return Err(wrong_length(model, quantity, x.len(), model.nv, ", one for each degree of freedom"));
+    }
+    if are_finite(x) {
+        return Ok(());
     }
     match x.iter().position(|x| !x.is_finite()) {
         Some(index) => {
