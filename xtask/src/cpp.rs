@@ -1,4 +1,5 @@
-//! `cargo xtask test cpp`: the C and C++ libraries, as their users build, install and find them.
+//! `cargo xtask test cpp`: the C and C++ libraries, as their users build, install and find them, and the
+//! integrations with ROS 2, Octave and Julia.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,6 +8,7 @@ use std::process::Command;
 
 use crate::cargo::target_folder;
 use crate::install::{install_package, is_there};
+use crate::integrations;
 use crate::root::root;
 use crate::step::step;
 
@@ -50,7 +52,8 @@ pub(crate) fn run() -> Result<(), String> {
     example.arg(root().join("robots/panda.urdf"));
     step("cpp: an example", example)?;
     by_pkg_config(&prefix, &folder.join("hold_c"))?;
-    by_fetch_content(&folder.join("fetch_content"))
+    by_fetch_content(&folder.join("fetch_content"))?;
+    integrations::run(&prefix, &folder)
 }
 
 /// Builds a project that takes the sources by FetchContent and links statically, and runs it.

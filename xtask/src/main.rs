@@ -11,6 +11,7 @@ mod files;
 mod gpu;
 mod graph;
 mod install;
+mod integrations;
 mod lab;
 mod layers;
 mod lexer;
