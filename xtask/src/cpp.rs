@@ -95,8 +95,8 @@ fn install() -> Result<(), String> {
     Ok(())
 }
 
-/// Runs the tests with the sanitizers of addresses, leaks and undefined behaviour in C and C++. The library's own
-/// allocations pass through the same checks; its code is not instrumented.
+/// Runs the tests with the sanitizers of addresses, leaks and undefined behaviour in C and C++. The library's
+/// own allocations pass through the same checks; its code is not instrumented.
 fn sanitize(folder: &Path) -> Result<(), String> {
     let sanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
     let mut configure = cmake();

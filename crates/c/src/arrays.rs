@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString, c_char};
 use crate::failure::Failure;
 
 /// The most arrays of one call.
-const MOST_ARRAYS: usize = 16;
+const MOST_ARRAYS: usize = 8;
 
 /// The arrays of one call, to find outputs that overlap other arrays.
 #[derive(Default)]
@@ -77,6 +77,7 @@ impl Arrays {
     }
 
     /// Records an array, and refuses an output that overlaps another array.
+    #[inline]
     fn enter(&mut self, name: &str, start: usize, bytes: usize, is_output: bool) -> Result<(), Failure> {
         let range = Range { start, end: start + bytes, is_output };
         let overlaps =
@@ -95,6 +96,7 @@ impl Arrays {
     }
 }
 
+#[inline]
 fn check_length(name: &str, len: usize, expected: usize) -> Result<(), Failure> {
     if len == expected {
         return Ok(());

@@ -6,6 +6,7 @@ use std::ffi::{c_char, c_void};
 
 use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
+use robot_dynamics_number::are_finite;
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result, text};
@@ -192,7 +193,8 @@ pub unsafe extern "C" fn rd_quantity_lengths(
     })
 }
 
-/// Computes one state.
+/// Computes one state. Each function of the interface has its own copy, in which the quantity is a constant.
+#[inline(always)]
 unsafe fn compute(
     workspace: WorkspaceHandle,
     quantity: Quantity,
@@ -242,14 +244,12 @@ unsafe fn compute(
     } else {
         quantity.compute_into(model, memory, &inputs, out.each_mut().map(|out| &mut **out));
     }
-    for out in &out {
+    match out.iter().find(|out| !are_finite(out)) {
+        None => Ok(()),
         // Only quantities about the centre of mass divide by the mass.
-        if model.mass() == 0.0 && out.iter().any(|x| !x.is_finite()) {
-            return Err(MotionError::NoMass { robot: model.name().to_owned() }.into());
-        }
-        check_result(quantity.name(), &**out)?;
+        Some(_) if model.mass() == 0.0 => Err(MotionError::NoMass { robot: model.name().to_owned() }.into()),
+        Some(out) => check_result(quantity.name(), out),
     }
-    Ok(())
 }
 
 /// The twelve numbers of a pose: the rotation by rows, then the translation.

@@ -9,6 +9,7 @@ use crate::workspace::WorkspaceHandle;
 use super::{InputsC, ResultsC, compute};
 
 /// A quantity of q alone with one result.
+#[inline(always)]
 unsafe fn of_q(
     workspace: WorkspaceHandle,
     quantity: Quantity,
@@ -20,6 +21,7 @@ unsafe fn of_q(
 }
 
 /// A quantity of q and v with one result.
+#[inline(always)]
 unsafe fn of_q_v(
     workspace: WorkspaceHandle,
     quantity: Quantity,
