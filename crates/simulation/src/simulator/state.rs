@@ -22,6 +22,9 @@ pub struct Snapshot {
     is_checked: bool,
     activations: Vec<f64>,
     limited: Vec<usize>,
+    /// The results of the last step.
+    acceleration: Vec<f64>,
+    applied_torques: Vec<f64>,
 }
 
 impl Simulation {
@@ -169,6 +172,8 @@ impl Simulation {
             is_checked: self.is_checked,
             activations: self.activations.clone(),
             limited: self.limited.clone(),
+            acceleration: self.memory.acceleration.clone(),
+            applied_torques: self.memory.tau.clone(),
         }
     }
 
@@ -198,12 +203,14 @@ impl Simulation {
             "the snapshot is of another simulation than this one of robot `{}`",
             self.model.name()
         );
-        let Snapshot { model: _, run, stepper, inputs, base, is_checked, activations, limited } = snapshot;
+        let Snapshot { run, stepper, inputs, base, is_checked, activations, limited, .. } = snapshot;
         self.run.clone_from(run);
         self.stepper.clone_from(stepper);
         self.inputs.clone_from(inputs);
         (self.base, self.is_checked) = (*base, *is_checked);
         self.activations.clone_from(activations);
         self.limited.clone_from(limited);
+        self.memory.acceleration.clone_from(&snapshot.acceleration);
+        self.memory.tau.clone_from(&snapshot.applied_torques);
     }
 }
