@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
-use robot_dynamics_number::{check_finite, check_number};
+use robot_dynamics_number::{InvalidInput, check_finite, check_number};
 
 use super::forward_dynamics::LargestEntry;
 use super::row_factor::{FactoredRows, MassFactor, RowFactor, factor_rows};
@@ -76,6 +76,9 @@ pub fn project_position(
     check_length("q", q.len(), model.nq());
     check_finite("q", q)?;
     check_number("the tolerance", tolerance)?;
+    if tolerance < 0.0 {
+        return Err(InvalidInput::unmet("the tolerance", "must not be negative").into());
+    }
     options.check()?;
     let rest = vec![0.0; model.nv()];
     let (mut at, mut moved) = (q.to_vec(), q.to_vec());
