@@ -139,6 +139,9 @@ pub fn linearize_step(
     mut out: LinearizedStep<'_>,
 ) -> Result<(), StepError> {
     check_inputs(model, forces, h, RobotState { q, v }, &out)?;
+    if model.nv() == 0 {
+        return Ok(());
+    }
     check_rank(model, &mut workspace.dynamics, q)?;
     match integrator.scheme() {
         StepScheme::Explicit(stages) => explicit(model, workspace, stages, forces, h, q, v)?,
