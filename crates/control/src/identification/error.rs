@@ -10,7 +10,7 @@ pub enum IdentificationError {
     /// There are fewer equations than unknown parameters.
     #[error(
         "{equations} equations for {unknowns} base parameters; record at least {} more states",
-        (.unknowns - .equations).div_ceil((*.coordinates).max(1))
+        .unknowns.saturating_sub(*.equations).div_ceil((*.coordinates).max(1))
     )]
     TooFewData {
         /// The number of rows of W.
