@@ -76,6 +76,28 @@ impl Arrays {
         Ok(std::slice::from_raw_parts_mut(pointer, len))
     }
 
+    /// A single output beside arrays.
+    ///
+    /// # Safety
+    /// As [`output`](Self::output), for one value.
+    pub(crate) unsafe fn result<'a, T>(&mut self, name: &str, pointer: *mut T) -> Result<&'a mut T, Failure> {
+        check_pointer(name, pointer, 1)?;
+        self.enter(name, pointer as usize, size_of::<T>(), true)?;
+        Ok(&mut *pointer)
+    }
+
+    /// A single output that may be absent.
+    ///
+    /// # Safety
+    /// As [`result`](Self::result).
+    pub(crate) unsafe fn optional_result<'a, T>(
+        &mut self,
+        name: &str,
+        pointer: *mut T,
+    ) -> Result<Option<&'a mut T>, Failure> {
+        if pointer.is_null() { Ok(None) } else { self.result(name, pointer).map(Some) }
+    }
+
     /// Records an array, and refuses an output that overlaps another array.
     #[inline]
     fn enter(&mut self, name: &str, start: usize, bytes: usize, is_output: bool) -> Result<(), Failure> {

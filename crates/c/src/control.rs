@@ -136,12 +136,13 @@ pub unsafe extern "C" fn rd_dlqr(
         let q = DMatrix::from_row_slice(n, n, arrays.any("Q", q, nn)?);
         let r = DMatrix::from_row_slice(m, m, arrays.any("R", r, mm)?);
         let out = arrays.output("the gain", gain, gain_len, nm)?;
+        let radius = arrays.optional_result("the spectral radius", spectral_radius)?;
         let found = dlqr(&a, &b, &q, &r)?;
         for (k, entry) in out.iter_mut().enumerate() {
             *entry = found.gain[(k / n, k % n)];
         }
-        if !spectral_radius.is_null() {
-            *result("the spectral radius", spectral_radius)? = found.spectral_radius;
+        if let Some(radius) = radius {
+            *radius = found.spectral_radius;
         }
         Ok(())
     })

@@ -185,12 +185,14 @@ pub unsafe extern "C" fn rd_identify(
         let indices = arrays.output("the indices", indices, capacity, capacity)?;
         let values = arrays.output("the values", values, capacity, capacity)?;
         let deviations = arrays.output("the deviations", deviations, capacity, capacity)?;
+        let count = arrays.result("the result `count`", count)?;
+        let residual = arrays.optional_result("the residual", residual)?;
         let record = own.record()?;
         let base = BaseParameters::of_record(&record);
         let found = base.identify(&record)?;
-        *result("the result `count`", count)? = base.len();
-        if !residual.is_null() {
-            *result("the residual", residual)? = found.residual;
+        *count = base.len();
+        if let Some(residual) = residual {
+            *residual = found.residual;
         }
         for (k, parameter) in base.parameters.iter().enumerate().take(capacity) {
             indices[k] = parameter.index as u32;
@@ -215,18 +217,20 @@ pub unsafe extern "C" fn rd_identify_consistent(
 ) -> Status {
     call(|| {
         let own = shared::<Record>(record.id)?;
-        let out = Arrays::default().output("the parameters", parameters, parameters_len, own.names.len())?;
+        let mut arrays = Arrays::default();
+        let out = arrays.output("the parameters", parameters, parameters_len, own.names.len())?;
+        let residual = arrays.optional_result("the residual", residual)?;
+        let model = arrays.optional_result("the result `model`", model)?;
         let record = own.record()?;
         let found = identify_consistent(&record, &ConsistentOptions::new(regularization))?;
         out.copy_from_slice(&found.parameters[..]);
-        if !residual.is_null() {
-            *result("the residual", residual)? = found.residual;
+        if let Some(residual) = residual {
+            *residual = found.residual;
         }
-        if !model.is_null() {
+        if let Some(model) = model {
             let estimated = Model::new(found.description(&own.model)?)?;
             let estimated = robot_dynamics::with_native_code(estimated);
-            result("the result `model`", model)?.id =
-                insert(RobotModel::new(estimated, &LoadReport::default()))?;
+            model.id = insert(RobotModel::new(estimated, &LoadReport::default()))?;
         }
         Ok(())
     })

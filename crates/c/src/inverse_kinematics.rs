@@ -5,7 +5,7 @@ use robot_dynamics::control::{
 };
 
 use crate::Status;
-use crate::arrays::{Arrays, options, result};
+use crate::arrays::{Arrays, options};
 use crate::calls::call;
 use crate::constraints::pose_of;
 use crate::failure::Failure;
@@ -96,6 +96,7 @@ pub unsafe extern "C" fn rd_inverse_kinematics(
         };
         let start = arrays.input("the start", start, start_len, robot.model.nq())?;
         let q = arrays.output("q", q, nq, robot.model.nq())?;
+        let report = arrays.optional_result("the report", report)?;
         let options = self::options("the options", options)?.options();
         let RobotWorkspace { model, memory, .. } = &mut *robot;
         let (solution, failure) = match inverse_kinematics(model, memory, frame, target, start, &options) {
@@ -106,8 +107,8 @@ pub unsafe extern "C" fn rd_inverse_kinematics(
             },
         };
         q.copy_from_slice(&solution.q);
-        if !report.is_null() {
-            *result("the report", report)? = InverseKinematicsReportC {
+        if let Some(report) = report {
+            *report = InverseKinematicsReportC {
                 position_error: solution.position_error,
                 angle_error: solution.angle_error,
                 iterations: solution.iterations,

@@ -177,10 +177,16 @@ pub unsafe extern "C" fn rd_model_joint_indices(
         let robot = shared::<RobotModel>(model.id)?;
         let missing = || Failure::invalid(format!("there is no joint {joint}"));
         let joint = robot.model.joints().get(joint).ok_or_else(missing)?;
-        *result("the result `q_index`", q_index)? = joint.q_index;
-        *result("the result `nq`", nq)? = joint.nq;
-        *result("the result `v_index`", v_index)? = joint.v_index;
-        *result("the result `nv`", nv)? = joint.nv;
+        let mut arrays = Arrays::default();
+        let results = [
+            (arrays.result("the result `q_index`", q_index)?, joint.q_index),
+            (arrays.result("the result `nq`", nq)?, joint.nq),
+            (arrays.result("the result `v_index`", v_index)?, joint.v_index),
+            (arrays.result("the result `nv`", nv)?, joint.nv),
+        ];
+        for (result, number) in results {
+            *result = number;
+        }
         Ok(())
     })
 }

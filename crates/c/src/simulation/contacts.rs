@@ -1,7 +1,7 @@
 //! The contacts of the last step.
 
 use crate::Status;
-use crate::arrays::{Arrays, result};
+use crate::arrays::Arrays;
 use crate::calls::call;
 use crate::handle::shared;
 
@@ -37,9 +37,11 @@ pub unsafe extern "C" fn rd_simulation_contacts(
 ) -> Status {
     call(|| {
         let own = shared::<RobotSimulation>(simulation.id)?;
-        let out = Arrays::default().output("the contacts", contacts, capacity, capacity)?;
+        let mut arrays = Arrays::default();
+        let out = arrays.output("the contacts", contacts, capacity, capacity)?;
+        let count = arrays.result("the result `count`", count)?;
         let found = own.simulation.contacts();
-        *result("the result `count`", count)? = found.len();
+        *count = found.len();
         let model = own.simulation.model();
         let frame = |link: &str| {
             let named = model.frame(link);

@@ -3,7 +3,7 @@
 use std::ffi::c_char;
 
 use crate::Status;
-use crate::arrays::{Arrays, result};
+use crate::arrays::Arrays;
 use crate::calls::{call, query};
 use crate::failure::Failure;
 use crate::handle::shared;
@@ -32,7 +32,9 @@ pub unsafe extern "C" fn rd_simulation_sensor_range(
 ) -> Status {
     call(|| {
         let own = shared::<RobotSimulation>(simulation.id)?;
-        let (first, count) = (result("the result `first`", first)?, result("the result `count`", count)?);
+        let mut arrays = Arrays::default();
+        let first = arrays.result("the result `first`", first)?;
+        let count = arrays.result("the result `count`", count)?;
         let sensors = &own.sensors;
         if sensor >= sensors.names.len() {
             let text = format!("there is no sensor {sensor}; there are {}", sensors.names.len());
