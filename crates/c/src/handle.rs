@@ -126,7 +126,10 @@ pub(crate) fn shared<T: Object>(handle: u64) -> Result<Shared<T>, Failure> {
     let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
     let slot = match slot.try_read() {
         Ok(slot) => slot,
-        Err(TryLockError::Poisoned(_)) => return Err(panicked::<T>()),
+        Err(TryLockError::Poisoned(poisoned)) => {
+            check::<T>(poisoned.get_ref(), handle)?;
+            return Err(panicked::<T>());
+        }
         Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
     };
     check::<T>(&slot, handle)?;
@@ -138,7 +141,10 @@ pub(crate) fn exclusive<T: Object>(handle: u64) -> Result<Exclusive<T>, Failure>
     let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
     let slot = match slot.try_write() {
         Ok(slot) => slot,
-        Err(TryLockError::Poisoned(_)) => return Err(panicked::<T>()),
+        Err(TryLockError::Poisoned(poisoned)) => {
+            check::<T>(poisoned.get_ref(), handle)?;
+            return Err(panicked::<T>());
+        }
         Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
     };
     check::<T>(&slot, handle)?;
@@ -217,3 +223,86 @@ macro_rules! object {
 }
 
 pub(crate) use object;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Number {
+        value: u64,
+    }
+
+    object!(Number, 200, "the number");
+
+    #[test]
+    fn slots_have_distinct_positions_in_chunks_of_double_size() {
+        let (mut expected, mut size) = ((0, 0), FIRST);
+        for index in 0..100_000 {
+            assert_eq!(position(index), expected);
+            expected.1 += 1;
+            if expected.1 == size {
+                (expected, size) = ((expected.0 + 1, 0), 2 * size);
+            }
+        }
+        let (chunk, offset) = position(u32::MAX);
+        assert!(chunk == CHUNKS && offset < FIRST << CHUNKS, "the last slots have no chunk");
+    }
+
+    #[test]
+    fn handles_of_freed_objects_and_of_other_kinds_are_invalid() {
+        let first = insert(Number { value: 1 }).expect("a slot");
+        assert_eq!(first >> 56, 200);
+        assert_eq!(shared::<Number>(first).expect("an object").value, 1);
+        remove::<Number>(first).expect("an object");
+        let status = |result: Result<(), Failure>| result.expect_err("an error").status;
+        assert_eq!(status(shared::<Number>(first).map(drop)), Status::InvalidHandle);
+        assert_eq!(status(remove::<Number>(first)), Status::InvalidHandle);
+        let second = insert(Number { value: 2 }).expect("a slot");
+        assert_ne!(first, second);
+        assert_eq!(status(exclusive::<Number>(second ^ 1 << 56).map(drop)), Status::InvalidHandle);
+        assert_eq!(status(exclusive::<Number>(second ^ 1 << 32).map(drop)), Status::InvalidHandle);
+        exclusive::<Number>(second).expect("an object").value = 3;
+        assert_eq!(shared::<Number>(second).expect("an object").value, 3);
+        remove::<Number>(second).expect("an object");
+    }
+
+    struct Faulty;
+
+    object!(Faulty, 201, "the faulty object");
+
+    #[test]
+    fn objects_of_panicked_calls_can_only_be_freed() {
+        let handle = insert(Faulty).expect("a slot");
+        let call = std::panic::catch_unwind(|| {
+            let _own = exclusive::<Faulty>(handle);
+            std::panic::resume_unwind(Box::new("a fault"));
+        });
+        assert!(call.is_err());
+        let status = |handle| exclusive::<Faulty>(handle).map(drop).expect_err("an error").status;
+        assert_eq!(status(handle), Status::Panic);
+        assert_eq!(shared::<Faulty>(handle).map(drop).expect_err("an error").status, Status::Panic);
+        remove::<Faulty>(handle).expect("an object");
+        assert_eq!(status(handle), Status::InvalidHandle);
+        assert_ne!(insert(Faulty).expect("a slot") as u32, handle as u32, "the slot is not used again");
+    }
+
+    struct Held;
+
+    object!(Held, 202, "the held object");
+
+    #[test]
+    fn objects_in_use_are_neither_used_nor_freed() {
+        let handle = insert(Held).expect("a slot");
+        let status = |result: Result<(), Failure>| result.expect_err("an error").status;
+        let own = exclusive::<Held>(handle).expect("an object");
+        assert_eq!(status(shared::<Held>(handle).map(drop)), Status::InUse);
+        assert_eq!(status(exclusive::<Held>(handle).map(drop)), Status::InUse);
+        assert_eq!(status(remove::<Held>(handle)), Status::InUse);
+        drop(own);
+        let (first, second) = (shared::<Held>(handle), shared::<Held>(handle));
+        assert!(first.is_ok() && second.is_ok());
+        assert_eq!(status(remove::<Held>(handle)), Status::InUse);
+        drop((first, second));
+        remove::<Held>(handle).expect("an object");
+    }
+}
