@@ -188,6 +188,10 @@ pub unsafe extern "C" fn rd_quantity_lengths(
     call(|| {
         let robot = exclusive::<RobotWorkspace>(workspace.id)?;
         let lengths = Arrays::default().output("the result", lengths, lengths_len, 3)?;
+        // An array of so many poses would not fit into memory.
+        if frame_count > isize::MAX as usize / (12 * size_of::<f64>()) {
+            return Err(Failure::invalid(format!("there are {frame_count} frames, more than memory has")));
+        }
         lengths.copy_from_slice(&result_lengths(quantity_of(quantity)?, &robot, frame_count));
         Ok(())
     })
