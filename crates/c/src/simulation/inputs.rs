@@ -26,8 +26,8 @@ pub unsafe extern "C" fn rd_simulation_reset(
     call(|| {
         let mut own = exclusive::<RobotSimulation>(simulation.id)?;
         let mut arrays = Arrays::default();
-        let q = arrays.any("q", q, nq)?;
-        let v = arrays.any("v", v, nv)?;
+        let q = arrays.input("q", q, nq, own.simulation.q().len())?;
+        let v = arrays.input("v", v, nv, own.simulation.v().len())?;
         Ok(own.simulation.reset(q, v)?)
     })
 }
@@ -53,8 +53,8 @@ pub unsafe extern "C" fn rd_simulation_set_state(
     call(|| {
         let mut own = exclusive::<RobotSimulation>(simulation.id)?;
         let mut arrays = Arrays::default();
-        let q = arrays.any("q", q, nq)?;
-        let v = arrays.any("v", v, nv)?;
+        let q = arrays.input("q", q, nq, own.simulation.q().len())?;
+        let v = arrays.input("v", v, nv, own.simulation.v().len())?;
         Ok(own.simulation.set_state(q, v)?)
     })
 }
