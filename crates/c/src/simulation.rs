@@ -10,7 +10,7 @@ use std::ffi::{CString, c_char};
 
 use robot_dynamics::contact::Ground;
 use robot_dynamics::model::FrameId;
-use robot_dynamics::simulation::{Effect, Method, Simulation, SimulationBuilder};
+use robot_dynamics::simulation::{AppliedWrench, Effect, Method, Simulation, SimulationBuilder};
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, optional_text, options, result};
@@ -38,6 +38,8 @@ pub(crate) struct RobotSimulation {
     left_out: CString,
     control_names: Vec<CString>,
     sensors: Sensors,
+    /// The memory of `rd_simulation_set_wrenches`.
+    wrenches: Vec<AppliedWrench>,
 }
 
 object!(RobotSimulation, 5, "the simulation");
@@ -161,6 +163,7 @@ pub unsafe extern "C" fn rd_simulation_new(
             left_out: c_text(&left_out.join("\n")),
             control_names: simulation.control_names().map(c_text).collect(),
             sensors: Sensors::of(&simulation),
+            wrenches: Vec::new(),
             simulation,
         })?;
         Ok(())

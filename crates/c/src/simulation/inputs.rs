@@ -92,7 +92,8 @@ pub unsafe extern "C" fn rd_simulation_set_controls(
 }
 
 /// Sets the wrenches on frames for the next steps, in place of all earlier ones. `references` has a reference
-/// frame for each, `wrenches` six numbers: force \[N\] and moment \[N m\].
+/// frame for each, `wrenches` six numbers: force \[N\] and moment \[N m\]. Does not allocate for as many wrenches as
+/// an earlier call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_simulation_set_wrenches(
     simulation: SimulationHandle,
@@ -104,23 +105,24 @@ pub unsafe extern "C" fn rd_simulation_set_wrenches(
 ) -> Status {
     call(|| {
         let mut own = exclusive::<RobotSimulation>(simulation.id)?;
+        let RobotSimulation { simulation, frames: ids, wrenches: applied, .. } = &mut *own;
         let mut arrays = Arrays::default();
         let frames = arrays.any("the frames", frames, count)?;
         let references = arrays.any("the reference frames", references, count)?;
         let numbers = arrays.input("the wrenches", wrenches, wrenches_len, count.saturating_mul(6))?;
-        let mut applied = Vec::with_capacity(frames.len());
+        applied.clear();
         for ((frame, reference), w) in frames.iter().zip(references).zip(numbers.chunks_exact(6)) {
             if let Some(bad) = w.iter().find(|x| !x.is_finite()) {
                 return Err(Failure::invalid(format!("a wrench has the entry {bad}; it must be finite")));
             }
             applied.push(AppliedWrench {
-                frame: frame_of(&own.frames, own.simulation.model(), *frame)?,
+                frame: frame_of(ids, simulation.model(), *frame)?,
                 axes: reference_frame(*reference)?,
                 force: [w[0], w[1], w[2]],
                 moment: [w[3], w[4], w[5]],
             });
         }
-        own.simulation.set_wrenches(&applied);
+        simulation.set_wrenches(applied);
         Ok(())
     })
 }
