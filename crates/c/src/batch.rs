@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use robot_dynamics::batch::{BatchOptions, BatchQuantity, BatchWorkspace};
-use robot_dynamics::model::{FrameId, Model, check_configuration, check_vector};
+use robot_dynamics::model::{FrameId, check_configuration, check_vector};
 use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory};
 
 use crate::Status;
@@ -32,12 +32,24 @@ pub(crate) struct Batch {
 
 object!(Batch, 3, "the batch");
 
-/// Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone. Free it with
-/// `rd_batch_free`.
+/// The most threads of a batch or a solver.
+const MOST_THREADS: usize = 1024;
+
+/// Refuses numbers of threads that no machine has.
+pub(crate) fn check_threads(threads: usize) -> Result<(), Failure> {
+    if threads <= MOST_THREADS {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!("there are {threads} threads; there must be at most {MOST_THREADS}")))
+}
+
+/// Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the most.
+/// Free it with `rd_batch_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_batch_new(model: ModelHandle, threads: usize, batch: *mut BatchHandle) -> Status {
     call(|| {
         let batch = result("the result `batch`", batch)?;
+        check_threads(threads)?;
         let robot = shared::<RobotModel>(model.id)?;
         let mut options = BatchOptions::default();
         options.threads = threads;
@@ -108,19 +120,21 @@ pub unsafe extern "C" fn rd_batch_compute(
         ];
         let inputs = Inputs { q, v, a, tau, frames: &frames[..] };
         let whole = out.each_mut().map(|out| &mut **out);
-        if let Some(done) = quantity.compute_batch(&model, workspace, &inputs, whole) {
+        // Without coordinates, the length of q does not give the number of states.
+        if model.nq() > 0
+            && let Some(done) = quantity.compute_batch(&model, workspace, &inputs, whole)
+        {
             return Ok(done?);
         }
-        one_by_one(&model, single, memory, quantity, &inputs, out)
+        one_by_one(single, memory, (quantity, states), &inputs, out)
     })
 }
 
 /// Computes the states one after another.
 fn one_by_one(
-    model: &Model,
     single: &mut RobotWorkspace,
     memory: &mut QuantityMemory,
-    quantity: Quantity,
+    (quantity, states): (Quantity, usize),
     inputs: &Inputs<'_>,
     mut out: [&mut [f64]; 3],
 ) -> Result<(), Failure> {
@@ -128,7 +142,10 @@ fn one_by_one(
         let start = if x.is_empty() { 0 } else { state * width };
         start..start + if x.is_empty() { 0 } else { width }
     };
-    let states = inputs.q.len() / model.nq().max(1);
+    let model = &*Arc::clone(&single.model);
+    if out.iter().all(|out| out.is_empty()) {
+        return Ok(());
+    }
     let mut bad = None;
     for state in 0..states {
         let q = &inputs.q[row(inputs.q, state, model.nq())];

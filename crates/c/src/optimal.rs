@@ -108,6 +108,17 @@ impl Parts {
     }
 }
 
+/// The most nodes of a problem.
+const MOST_NODES: usize = 1 << 20;
+
+/// Refuses numbers of nodes that memory does not have.
+fn check_nodes(nodes: usize) -> Result<(), Failure> {
+    if nodes <= MOST_NODES {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!("there are {nodes} nodes; there must be at most {MOST_NODES}")))
+}
+
 fn store(model: &Arc<Model>, frames: &[FrameId], problem: Problem) -> Result<u64, Failure> {
     let (model, frames) = (Arc::clone(model), frames.to_vec());
     let parts = Parts { model, frames, problem, terms: Vec::new(), solver: None };
@@ -115,8 +126,8 @@ fn store(model: &Arc<Model>, frames: &[FrameId], problem: Problem) -> Result<u64
 }
 
 /// Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are
-/// the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with
-/// `rd_problem_free`.
+/// the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. N is at most 2²⁰. Free it
+/// with `rd_problem_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_problem_new(
     model: ModelHandle,
@@ -133,6 +144,7 @@ pub unsafe extern "C" fn rd_problem_new(
         let robot = shared::<RobotModel>(model.id)?;
         let integrator: Integrator = text("the integrator", integrator)?.parse()?;
         let state = Arrays::default().any("the state", state, state_len)?;
+        check_nodes(nodes)?;
         let step = SmoothStep::new(Arc::clone(&robot.model), integrator, dt)?
             .with_actuation(ActuationMatrix::actuated(&robot.model))?
             .with_dissipation(dissipation != 0);
@@ -143,7 +155,7 @@ pub unsafe extern "C" fn rd_problem_new(
 
 /// Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls
 /// are the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0.
-/// `state` is x₀ = (q, v).
+/// `state` is x₀ = (q, v). N is at most 2²⁰.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_problem_from_simulation(
     simulation: SimulationHandle,
@@ -158,6 +170,7 @@ pub unsafe extern "C" fn rd_problem_from_simulation(
         let own = shared::<RobotSimulation>(simulation.id)?;
         let (simulation, frames) = own.parts();
         let state = Arrays::default().any("the state", state, state_len)?;
+        check_nodes(nodes)?;
         let step = SimulationStep::new(simulation);
         let step = if actuators != 0 {
             step.with_actuators()?

@@ -6,6 +6,7 @@ use robot_dynamics::control::optimal::{Fddp, FddpOptions, FddpReport, Terminatio
 
 use crate::Status;
 use crate::arrays::{Arrays, options, result};
+use crate::batch::check_threads;
 use crate::calls::call;
 use crate::failure::Failure;
 use crate::handle::exclusive;
@@ -18,7 +19,7 @@ use super::{OptimalProblem, ProblemHandle};
 pub struct SolverOptionsC {
     /// The largest number of iterations; 0 for the default, 100.
     pub max_iterations: usize,
-    /// The threads that linearize the nodes; 0 or 1 for the calling thread alone.
+    /// The threads that linearize the nodes; 0 or 1 for the calling thread alone; 1024 are the most.
     pub threads: usize,
     /// The time after which no iteration starts \[s\]; 0 for none.
     pub time_limit: f64,
@@ -60,6 +61,7 @@ impl SolverOptionsC {
         if self.max_iterations > 0 {
             options.max_iterations = self.max_iterations;
         }
+        check_threads(self.threads)?;
         options.threads = self.threads.max(1);
         if self.gradient_tolerance != 0.0 {
             options.gradient_tolerance = self.gradient_tolerance;
