@@ -116,7 +116,7 @@ pub unsafe extern "C" fn rd_difference(
     })
 }
 
-/// The configuration between q0 (s = 0) and q1 (s = 1), along the shortest path. Does not allocate.
+/// The configuration between q0 (s = 0) and q1 (s = 1), along the shortest path. Allocates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_interpolate(
     model: ModelHandle,
