@@ -9,7 +9,8 @@
  * - A model and its constraints serve any number of threads at once. Every other object serves one call at a
  *   time, on any thread; a second call at the same time returns RD_STATUS_IN_USE. No function waits for another,
  *   except those that make or free objects.
- * - Functions for control loops do not allocate; others say that they do. Failed calls may allocate.
+ * - Functions for control loops do not allocate; others say that they do. Failed calls may allocate, and so may
+ *   the first two calls of a function, which make machine code.
  */
 
 #ifndef ROBOT_DYNAMICS_H
@@ -551,7 +552,7 @@ typedef struct {
    */
   size_t max_iterations;
   /**
-   * The threads that linearize the nodes; 0 or 1 for the calling thread alone.
+   * The threads that linearize the nodes; 0 or 1 for the calling thread alone; 1024 are the most.
    */
   size_t threads;
   /**
@@ -811,7 +812,7 @@ rd_status rd_difference(rd_model model,
                         size_t nv);
 
 /**
- * The configuration between q0 (s = 0) and q1 (s = 1), along the shortest path. Does not allocate.
+ * The configuration between q0 (s = 0) and q1 (s = 1), along the shortest path. Allocates.
  */
 rd_status rd_interpolate(rd_model model,
                          const double *q0,
@@ -960,8 +961,8 @@ rd_status rd_model_gravity(rd_model model, double *out, size_t len);
 uint64_t rd_model_fingerprint(rd_model model);
 
 /**
- * Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone. Free it with
- * `rd_batch_free`.
+ * Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the most.
+ * Free it with `rd_batch_free`.
  */
 rd_status rd_batch_new(rd_model model, size_t threads, rd_batch *batch);
 
@@ -1412,8 +1413,8 @@ rd_status rd_linearize_step(rd_workspace workspace,
 
 /**
  * Makes a problem of N nodes from steps without contact, by an integrator such as `rk4`. The controls are
- * the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. Free it with
- * `rd_problem_free`.
+ * the torques of the driven coordinates. `state` is x₀ = (q, v), nq + nv numbers. N is at most 2²⁰. Free it
+ * with `rd_problem_free`.
  */
 rd_status rd_problem_new(rd_model model,
                          const char *integrator,
@@ -1427,7 +1428,7 @@ rd_status rd_problem_new(rd_model model,
 /**
  * Makes a problem of N nodes from the steps of a simulation, with contact, stops and friction. The controls
  * are the torques of the driven coordinates, or the controls of the actuators if `actuators` is not 0.
- * `state` is x₀ = (q, v).
+ * `state` is x₀ = (q, v). N is at most 2²⁰.
  */
 rd_status rd_problem_from_simulation(rd_simulation simulation,
                                      int32_t actuators,
@@ -1873,7 +1874,8 @@ rd_status rd_simulation_set_controls(rd_simulation simulation, const double *con
 
 /**
  * Sets the wrenches on frames for the next steps, in place of all earlier ones. `references` has a reference
- * frame for each, `wrenches` six numbers: force [N] and moment [N m].
+ * frame for each, `wrenches` six numbers: force [N] and moment [N m]. Does not allocate for as many wrenches as
+ * an earlier call.
  */
 rd_status rd_simulation_set_wrenches(rd_simulation simulation,
                                      const uint32_t *frames,
