@@ -961,8 +961,8 @@ rd_status rd_model_gravity(rd_model model, double *out, size_t len);
 uint64_t rd_model_fingerprint(rd_model model);
 
 /**
- * Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the most.
- * Free it with `rd_batch_free`.
+ * Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the
+ * most. Free it with `rd_batch_free`.
  */
 rd_status rd_batch_new(rd_model model, size_t threads, rd_batch *batch);
 
@@ -1874,8 +1874,8 @@ rd_status rd_simulation_set_controls(rd_simulation simulation, const double *con
 
 /**
  * Sets the wrenches on frames for the next steps, in place of all earlier ones. `references` has a reference
- * frame for each, `wrenches` six numbers: force [N] and moment [N m]. Does not allocate for as many wrenches as
- * an earlier call.
+ * frame for each, `wrenches` six numbers: force [N] and moment [N m]. Does not allocate for as many
+ * wrenches as an earlier call.
  */
 rd_status rd_simulation_set_wrenches(rd_simulation simulation,
                                      const uint32_t *frames,

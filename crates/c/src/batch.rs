@@ -43,8 +43,8 @@ pub(crate) fn check_threads(threads: usize) -> Result<(), Failure> {
     Err(Failure::invalid(format!("there are {threads} threads; there must be at most {MOST_THREADS}")))
 }
 
-/// Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the most.
-/// Free it with `rd_batch_free`.
+/// Makes a batch of a model. 0 threads select one for each core, 1 the calling thread alone; 1024 are the
+/// most. Free it with `rd_batch_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_batch_new(model: ModelHandle, threads: usize, batch: *mut BatchHandle) -> Status {
     call(|| {

@@ -2,6 +2,8 @@
 //!
 //! Unsafe code: the interface takes pointers. Each call passes slices of this program.
 #![allow(unsafe_code)]
+// Numbers of frames and seeds are small.
+#![allow(clippy::cast_possible_truncation)]
 
 #[macro_use]
 mod common;

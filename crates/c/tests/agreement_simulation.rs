@@ -2,6 +2,8 @@
 //!
 //! Unsafe code: the interface takes pointers. Each call passes slices of this program.
 #![allow(unsafe_code)]
+// Numbers of frames and seeds are small.
+#![allow(clippy::cast_possible_truncation)]
 
 #[macro_use]
 mod common;
@@ -149,11 +151,13 @@ fn constraints_give_bits_of_library() {
     // The pose of one foot: two would need axes that the legs do not have.
     let twelve: Vec<f64> = poses[0].rotation.iter().flatten().chain(&poses[0].translation).copied().collect();
     ok(rd!(rd_constraints_at_poses(robot.handle, in numbers[..1], in twelve, &raw mut handle)));
-    use SpatialAxis::{Rx, Ry, Rz, X, Y, Z};
-    let held = FrameConstraint::contact(ids[0], poses[0], &[X, Y, Z, Rx, Ry, Rz]);
+    let held = FrameConstraint::contact(ids[0], poses[0], &ALL_AXES);
     let set = vec![(names[0].to_owned(), held.into())];
     same_constraints(&robot, handle, &ConstraintSet::new(&robot.model, set).expect("a support"));
 }
+
+const ALL_AXES: [SpatialAxis; 6] =
+    [SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z, SpatialAxis::Rx, SpatialAxis::Ry, SpatialAxis::Rz];
 
 /// The state and the results of a simulation must equal those by handle.
 #[track_caller]

@@ -1,8 +1,10 @@
 //! Functions that the header names as free of allocation request no memory.
 //!
-//! Unsafe code: the interface takes pointers, and counting needs a global allocator. It passes each request to
-//! the system's allocator and exists in this test program only.
+//! Unsafe code: the interface takes pointers, and counting needs a global allocator. It passes each request
+//! to the system's allocator and exists in this test program only.
 #![allow(unsafe_code)]
+// Numbers of frames and quantities are small.
+#![allow(clippy::cast_possible_truncation)]
 
 #[macro_use]
 mod common;
@@ -66,8 +68,8 @@ fn allocations(call: impl FnOnce()) -> usize {
     REQUESTS.get() - before
 }
 
-/// Runs a call three times. The first one may make machine code. So may the second: the check of the rank of M
-/// needs bounds from the first. The third must not allocate.
+/// Runs a call three times. The first one may make machine code. So may the second: the check of the rank of
+/// M needs bounds from the first. The third must not allocate.
 #[track_caller]
 fn allocates_nothing(name: &str, mut call: impl FnMut()) {
     call();

@@ -11,6 +11,7 @@ use std::ptr::{null, null_mut};
 use common::{Robot, c, fails, message, ok, text};
 use robot_dynamics_c::Status;
 use robot_dynamics_c::batch::*;
+use robot_dynamics_c::calls::*;
 use robot_dynamics_c::configuration::*;
 use robot_dynamics_c::constraints::*;
 use robot_dynamics_c::control::observer::*;
@@ -29,7 +30,6 @@ use robot_dynamics_c::quantities::*;
 use robot_dynamics_c::simulation::inputs::rd_simulation_reset;
 use robot_dynamics_c::simulation::snapshots::*;
 use robot_dynamics_c::simulation::*;
-use robot_dynamics_c::calls::*;
 use robot_dynamics_c::workspace::*;
 
 fn arm() -> Robot {
@@ -215,6 +215,7 @@ fn unaligned_and_overlapping_arrays_are_named() {
     let (robot, mut x) = (arm(), [0.0; 14]);
     let (w, bad) = (robot.workspace, Status::InvalidInput);
     // The pointers remain within the array.
+    #[allow(clippy::cast_ptr_alignment)] // on purpose
     let odd = x.as_mut_ptr().cast::<u8>().wrapping_add(1).cast::<f64>();
     let mut y = [0.0; 7];
     fails(rd!(rd_gravity(w, odd.cast_const(), 7, mut y)), bad, "q is not aligned");

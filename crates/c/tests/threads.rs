@@ -128,7 +128,9 @@ fn objects_freed_during_use_become_invalid_for_good() {
                 assert_ne!(next.id, w.id);
             }
             freed.store(true, Ordering::SeqCst);
-            next.into_iter().for_each(|next| ok(rd_workspace_free(next)));
+            for next in next {
+                ok(rd_workspace_free(next));
+            }
         });
     }
 }

@@ -226,7 +226,8 @@ impl Classified for InvalidInput {
 /// assert!(!are_finite(&[0.0, f64::NEG_INFINITY]) && !are_finite(&[f64::NAN]));
 /// ```
 pub fn are_finite(values: &[f64]) -> bool {
-    // All bits of the exponent are set if a number is not finite. Its lowest bit, added, then sets the sign bit.
+    // All bits of the exponent are set if a number is not finite. Its lowest bit, added, then sets the sign
+    // bit.
     let overflow = |x: f64| (x.to_bits() & !(1 << 63)) + (1 << 52);
     let mut bits = [0_u64; 8];
     let chunks = values.chunks_exact(8);

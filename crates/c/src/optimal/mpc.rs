@@ -107,10 +107,16 @@ pub extern "C" fn rd_mpc_set_costs(mpc: MpcHandle, problem: ProblemHandle) -> St
         let mut own = exclusive::<Predictive>(mpc.id)?;
         let mut problem = exclusive::<OptimalProblem>(problem.id)?;
         let parts = problem.parts();
+        let terminal = parts.cost_at(parts.problem.nodes());
+        // All costs are tried on a copy first, so that a refused one changes nothing.
+        let mut copy = own.mpc().fddp().problem().clone();
+        for nodes in parts.phases() {
+            copy.set_running_cost(nodes.clone(), parts.cost_at(nodes.start))?;
+        }
+        copy.set_terminal_cost(terminal.clone())?;
         for nodes in parts.phases() {
             own.mpc().fddp_mut().set_running_cost(nodes.clone(), &parts.cost_at(nodes.start))?;
         }
-        let terminal = parts.cost_at(parts.problem.nodes());
         Ok(own.mpc().fddp_mut().set_terminal_cost(&terminal)?)
     })
 }

@@ -92,8 +92,8 @@ pub unsafe extern "C" fn rd_simulation_set_controls(
 }
 
 /// Sets the wrenches on frames for the next steps, in place of all earlier ones. `references` has a reference
-/// frame for each, `wrenches` six numbers: force \[N\] and moment \[N m\]. Does not allocate for as many wrenches as
-/// an earlier call.
+/// frame for each, `wrenches` six numbers: force \[N\] and moment \[N m\]. Does not allocate for as many
+/// wrenches as an earlier call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_simulation_set_wrenches(
     simulation: SimulationHandle,

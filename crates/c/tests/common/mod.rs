@@ -11,12 +11,13 @@ use robot_dynamics::model::{Model, RandomState, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::{Format, LoadOptions, load_description, load_description_from_text, write};
 use robot_dynamics_c::Status;
+use robot_dynamics_c::calls::rd_error_message;
 use robot_dynamics_c::load::{LoadOptionsC, rd_load, rd_load_text, rd_model_free};
 use robot_dynamics_c::model::ModelHandle;
-use robot_dynamics_c::calls::rd_error_message;
 use robot_dynamics_c::workspace::{WorkspaceHandle, rd_workspace_free, rd_workspace_new};
 
-/// Calls a function. `in x` stands for the pointer and the length of an input, `mut x` for those of an output.
+/// Calls a function. `in x` stands for the pointer and the length of an input, `mut x` for those of an
+/// output.
 #[allow(unused_macro_rules)]
 macro_rules! rd {
     ($function:ident($($rest:tt)*)) => { rd!(@ $function [] $($rest)*) };

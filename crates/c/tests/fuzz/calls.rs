@@ -4,6 +4,7 @@ use std::ptr::null_mut;
 
 use robot_dynamics_c::Status;
 use robot_dynamics_c::batch::*;
+use robot_dynamics_c::calls::*;
 use robot_dynamics_c::configuration::*;
 use robot_dynamics_c::constraints::*;
 use robot_dynamics_c::control::observer::*;
@@ -24,7 +25,6 @@ use robot_dynamics_c::simulation::inputs::*;
 use robot_dynamics_c::simulation::sensors::*;
 use robot_dynamics_c::simulation::snapshots::*;
 use robot_dynamics_c::simulation::*;
-use robot_dynamics_c::calls::*;
 
 use crate::memory::*;
 
@@ -45,8 +45,8 @@ pub(crate) fn random(f: &mut Fuzz) -> (&'static str, Status) {
 
 type Call = unsafe fn(&mut Fuzz) -> Status;
 
-/// A table of calls with their names. Arguments are evaluated from left to right: `f.len` is the length of the
-/// array before it.
+/// A table of calls with their names. Arguments are evaluated from left to right: `f.len` is the length of
+/// the array before it.
 macro_rules! calls {
     ($table:ident; $f:ident; $($function:ident($($argument:expr),* $(,)?);)*) => {
         const $table: &[(&str, Call)] = &[$((stringify!($function), |$f: &mut Fuzz| {

@@ -1,9 +1,11 @@
-//! Random calls with random handles, lengths, pointers and numbers: no crash, no panic, and no write beyond the
-//! outputs.
+//! Random calls with random handles, lengths, pointers and numbers: no crash, no panic, and no write beyond
+//! the outputs.
 //!
-//! Unsafe code: the interface takes pointers. Those of this program are null, or point into one block of memory
-//! that holds as many numbers as the length says, or the length is more than memory has.
+//! Unsafe code: the interface takes pointers. Those of this program are null, or point into one block of
+//! memory that holds as many numbers as the length says, or the length is more than memory has.
 #![allow(unsafe_code)]
+// Random bits become numbers of any type.
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
 
 #[macro_use]
 #[path = "../common/mod.rs"]

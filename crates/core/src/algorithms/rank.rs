@@ -211,8 +211,8 @@ impl Model {
     }
 
     /// Whether M is positive definite in every configuration because each link behind a joint is a body with
-    /// inertia in all directions. If not, M may still be positive definite, and [`check_rank`] decides in each
-    /// configuration. It computes the principal moments of all links; store the answer for loops.
+    /// inertia in all directions. If not, M may still be positive definite, and [`check_rank`] decides in
+    /// each configuration. It computes the principal moments of all links; store the answer for loops.
     ///
     /// ```
     /// use robot_dynamics::description::{RandomRobotOptions, pendulum, random_robot};

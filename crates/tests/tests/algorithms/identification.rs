@@ -310,3 +310,10 @@ fn residual_is_orthogonal_to_fitted_columns() -> Tested {
     }
     Ok(())
 }
+
+/// The text of the error exists also for data of a robot whose torques depend on no parameter.
+#[test]
+fn records_without_base_parameters_have_an_error_with_a_text() {
+    let error = IdentificationError::TooFewData { equations: 3, unknowns: 0, coordinates: 1 };
+    assert!(error.to_string().contains('3'), "{error}");
+}

@@ -593,3 +593,14 @@ fn start_off_the_loop_is_an_error() {
     }
     assert!((drift(&q) / start - (-1.0_f64).exp()).abs() < 1e-6, "{} of {start}", drift(&q));
 }
+
+/// A negative tolerance is an error, also without constraints.
+#[test]
+fn projections_with_a_negative_tolerance_are_errors() {
+    let model = Model::new(random_robot(3, &RandomRobotOptions::default())).unwrap();
+    let (set, options) = (ConstraintSet::from_equalities(&model).unwrap(), ConstraintOptions::default());
+    let mut q = neutral(&model);
+    let error =
+        project_position(&model, &mut Workspace::new(&model), &set, &options, -1e-9, &mut q).unwrap_err();
+    assert!(error.to_string().contains("the tolerance"), "{error}");
+}

@@ -207,3 +207,17 @@ fn batches_match_their_states() {
         assert!(matches!(refused, Err(RolloutError::Implicit { .. })));
     }
 }
+
+/// A robot that cannot move has empty derivatives.
+#[test]
+fn robots_without_degrees_of_freedom_have_empty_derivatives() {
+    let text = r#"<robot name="stone"><link name="stone"/></robot>"#;
+    let described = robot_dynamics::load_description_from_text(text, &robot_dynamics::LoadOptions::default());
+    let model = described.expect("a robot").compile().expect("a robot").model;
+    for integrator in Integrator::ALL.iter().copied().filter(|row| row.is_explicit()) {
+        let out = LinearizedStep { by_state: &mut [], by_force: &mut [] };
+        let (state, forces) = (RobotState { q: &[], v: &[] }, StepForces::new(&[], true));
+        let mut workspace = LinearizeStepWorkspace::new(&model);
+        linearize_step(&model, integrator, &mut workspace, &forces, H, state, out).expect("no derivatives");
+    }
+}

@@ -186,3 +186,25 @@ fn invalid_durations_are_errors() {
         assert_eq!((simulation.q().to_vec(), simulation.time()), before);
     }
 }
+
+/// A restored snapshot also has the results of its last step, which the sensors read.
+#[test]
+fn snapshots_restore_the_results_of_their_last_step() {
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).build().expect("a simulation");
+    simulation.set_torques(&[1.5]);
+    simulation.run_for(0.1).expect("steps");
+    let results = |simulation: &Simulation| {
+        (
+            simulation.acceleration().to_vec(),
+            simulation.applied_torques().to_vec(),
+            simulation.joint_reactions(),
+        )
+    };
+    let (snapshot, before) = (simulation.snapshot(), results(&simulation));
+    simulation.set_torques(&[-4.0]);
+    simulation.run_for(0.1).expect("steps");
+    assert_ne!(results(&simulation), before);
+    simulation.restore(&snapshot);
+    assert_eq!(results(&simulation), before);
+}
