@@ -19,6 +19,7 @@ mod grip;
 mod loops;
 mod meshes;
 mod motion;
+mod quantities;
 mod robot;
 mod setup;
 mod start;
