@@ -48,7 +48,8 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
 fn check() -> Result<(), String> {
     step("lab: types", npm(&["run", "check"]))?;
     step("lab: lint", npm(&["run", "lint"]))?;
-    step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))
+    step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))?;
+    crate::npm::test()
 }
 
 /// Tests the built page in both browsers.
@@ -84,8 +85,17 @@ pub(crate) const SIMD128: &str = "-C target-feature=+simd128";
 /// Link-time optimisation of a module keeps one processor busy. Modules with and without vector registers are
 /// therefore built side by side, in separate target folders.
 fn build_modules() -> Result<(), String> {
+    build(&MODULES)
+}
+
+/// The same for the modules of the robots alone, which are also those of the npm package.
+pub(crate) fn build_robots() -> Result<(), String> {
+    build(&MODULES[3..])
+}
+
+fn build(modules: &[Module]) -> Result<(), String> {
     install_target(TARGET)?;
-    let built = |simd128| MODULES.iter().filter(|one| one.simd128 == simd128).try_for_each(build_module);
+    let built = |simd128| modules.iter().filter(|one| one.simd128 == simd128).try_for_each(build_module);
     std::thread::scope(|scope| {
         let beside = [scope.spawn(|| built(true)), scope.spawn(install_packages)];
         let plain = built(false);

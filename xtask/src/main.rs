@@ -19,6 +19,7 @@ mod machines;
 mod manifest;
 mod measure;
 mod modules;
+mod npm;
 mod packages;
 mod prose;
 mod python;
@@ -59,6 +60,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   spell   checks the spelling of the tree; part of style, too
   semver  compares the public API with the last release; installs cargo-semver-checks where it is missing
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
+  npm     builds the npm package and tests it in Node.js; part of lab, too
   site    builds the lab, the guide and the references as one static site; --serve serves it";
 
 fn main() -> ExitCode {
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
         ["lab", "--test"] => lab::run(lab::Job::Test),
+        ["npm"] => npm::run(),
         ["site"] => site::run(site::Job::Build),
         ["site", "--serve"] => site::run(site::Job::Serve),
         _ => Err(USAGE.into()),

@@ -21,7 +21,7 @@ const FOLDERS: [(&str, &str); 4] =
 const DECISION: &str = "decision-";
 
 /// Other documents, and their names as pages.
-const DOCUMENTS: [(&str, &str); 10] = [
+const DOCUMENTS: [(&str, &str); 11] = [
     ("NOTATION.md", "notation.md"),
     ("ARCHITECTURE.md", "architecture.md"),
     ("CONTRIBUTING.md", "contributing.md"),
@@ -29,6 +29,7 @@ const DOCUMENTS: [(&str, &str); 10] = [
     ("RELEASE.md", "release.md"),
     ("docs/decisions/README.md", "decisions.md"),
     ("python/README.md", "python-package.md"),
+    ("npm/README.md", "npm-package.md"),
     ("lab/README.md", "lab-sources.md"),
     ("bench/README.md", "benchmarks.md"),
     ("bench/robots/README.md", "robot-surveys.md"),
