@@ -32,6 +32,7 @@ mod step;
 mod text_blocks;
 mod tidy;
 mod tokens;
+mod versions;
 mod wrap;
 
 use std::process::ExitCode;

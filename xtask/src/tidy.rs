@@ -8,7 +8,7 @@ use crate::allowances::{self, Counts};
 use crate::files::{self, Language, SourceFile};
 use crate::layers::libraries;
 use crate::prose::breaches;
-use crate::{examples, graph, packages};
+use crate::{examples, graph, packages, versions};
 
 /// Longest source file, tests not counted.
 const MOST_LINES: usize = 400;
@@ -56,6 +56,7 @@ pub(crate) fn check(treatment: Allowances) -> Result<(), String> {
     }
     graph::check(&crates, &mut broken)?;
     packages::check(&mut broken)?;
+    versions::check(&mut broken)?;
     for folder in CHECKED {
         for file in files::below(&sources, folder).filter(|file| file.language == Language::Rust) {
             check_source(file, &mut broken);
