@@ -23,6 +23,7 @@ mod npm;
 mod packages;
 mod prose;
 mod python;
+mod release;
 mod root;
 mod semver;
 mod sentences;
@@ -62,6 +63,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   semver  compares the public API with the last release; installs cargo-semver-checks where it is missing
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
   npm     builds the npm package and tests it in Node.js; part of lab, too
+  release --dry-run [PART…] makes the files of a release, without publishing them: command (static binaries,
+          Debian packages), wheels, npm, crates
   site    builds the lab, the guide and the references as one static site; --serve serves it";
 
 fn main() -> ExitCode {
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
         ["lab", "--test"] => lab::run(lab::Job::Test),
+        ["release", "--dry-run", parts @ ..] => release::dry_run(parts),
         ["npm"] => npm::run(),
         ["site"] => site::run(site::Job::Build),
         ["site", "--serve"] => site::run(site::Job::Serve),
