@@ -11,6 +11,7 @@ use crate::install::{install_package, is_there};
 use crate::integrations;
 use crate::root::root;
 use crate::step::step;
+use crate::versions::workspace_version;
 
 /// Debian packages, and a file by which each is found.
 const PACKAGES: [(&str, &str); 2] =
@@ -111,6 +112,34 @@ fn sanitize(folder: &Path) -> Result<(), String> {
     let mut test = Command::new("ctest");
     test.arg("--output-on-failure").current_dir(folder);
     step("cpp: tests with sanitizers", test)
+}
+
+/// Builds the libraries for this machine and writes an archive of the installation into the folder.
+pub(crate) fn package(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    install()?;
+    let target = target_folder();
+    let build = target.join("cpp/release");
+    let name = format!("robot-dynamics-cpp-{}-{}-linux", workspace_version()?, std::env::consts::ARCH);
+    let mut configure = cmake();
+    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(&build);
+    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target.display()));
+    configure.args([
+        "-DCMAKE_BUILD_TYPE=Release",
+        "-DCMAKE_INSTALL_LIBDIR=lib",
+        "-DROBOT_DYNAMICS_TESTS=OFF",
+    ]);
+    step("release: configure the C++ library", configure)?;
+    step("release: build the C++ library", built(&build))?;
+    let mut install = cmake();
+    install.arg("--install").arg(&build).arg("--prefix").arg(folder.join(&name));
+    step("release: install it", install)?;
+    let archive = folder.join(format!("{name}.tgz"));
+    let mut tar = Command::new("tar");
+    tar.args(["--create", "--gzip", "--file"]).arg(&archive);
+    tar.args(["--owner=0", "--group=0", "--numeric-owner", "--directory"]).arg(folder).arg(&name);
+    step(&format!("release: archive {name}"), tar)?;
+    fs::remove_dir_all(folder.join(&name)).map_err(|error| error.to_string())?;
+    Ok(vec![archive])
 }
 
 /// Compiles the C example by the flags of pkg-config, with the static library, and runs it.

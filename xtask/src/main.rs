@@ -64,7 +64,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
   npm     builds the npm package and tests it in Node.js; part of lab, too
   release --dry-run [PART…] makes the files of a release, without publishing them: command (static binaries,
-          Debian packages), wheels, npm, crates
+          Debian packages), cpp, wheels, npm, crates
   site    builds the lab, the guide and the references as one static site; --serve serves it";
 
 fn main() -> ExitCode {

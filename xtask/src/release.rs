@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::cargo::target_folder;
-use crate::{lab, npm};
+use crate::{cpp, lab, npm};
 
 /// Where files are published.
 const CRATES_IO: &str = "crates.io";
@@ -39,8 +39,9 @@ const ELSEWHERE: [(&str, &str); 6] = [
 /// A part of the release: its maker and its destination.
 type Part = (&'static str, fn(&Path) -> Result<Vec<PathBuf>, String>, &'static str);
 
-const PARTS: [Part; 4] = [
+const PARTS: [Part; 5] = [
     ("command", command::make, FORGE),
+    ("cpp", cpp::package, FORGE),
     ("wheels", wheels::make, PYPI),
     ("npm", package, NPM),
     ("crates", crates::make, CRATES_IO),

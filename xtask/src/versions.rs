@@ -1,4 +1,4 @@
-//! One version for the crates, the Python package, the npm package, the lab and the citation.
+//! One version for the crates, the C++ library, the Python and npm packages, the lab and the citation.
 
 use std::fs;
 
@@ -10,7 +10,9 @@ struct Place {
     before: &'static str,
 }
 
-const PLACES: [Place; 3] = [
+const PLACES: [Place; 5] = [
+    Place { path: "cpp/CMakeLists.txt", before: "project(robot_dynamics VERSION " },
+    Place { path: "integrations/ros2/robot_dynamics_ros2_control/package.xml", before: "  <version>" },
     Place { path: "CITATION.cff", before: "version: " },
     Place { path: "npm/package.json", before: "  \"version\": \"" },
     // The section of the release.
@@ -52,7 +54,7 @@ fn read(path: &str) -> Result<String, String> {
 fn check_place(place: &Place, text: &str, version: &str, is_required: bool, broken: &mut Vec<String>) {
     let Place { path, before } = place;
     let stated = text.lines().filter_map(|line| line.strip_prefix(before)).find(|rest| *rest != "Unreleased");
-    let stated = stated.map(|rest| rest.split(['"', ' ']).next().unwrap_or_default());
+    let stated = stated.map(|rest| rest.split(['"', ' ', '<']).next().unwrap_or_default());
     match stated {
         None if !is_required => {}
         None => broken.push(format!("{path}: no line `{before}{version}`")),

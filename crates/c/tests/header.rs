@@ -24,3 +24,11 @@ fn header_is_generated_from_this_crate() {
     let header = std::fs::read_to_string(&path).expect("the header");
     assert!(header == text, "run `WRITE_HEADER=1 cargo test --package robot-dynamics-c --test header`");
 }
+
+#[test]
+fn version_is_that_of_the_package() {
+    let number = |name| std::env::var(name).expect("set by Cargo").parse::<u32>().expect("a number");
+    let [major, minor, patch] =
+        ["CARGO_PKG_VERSION_MAJOR", "CARGO_PKG_VERSION_MINOR", "CARGO_PKG_VERSION_PATCH"].map(number);
+    assert_eq!(robot_dynamics_c::calls::RD_VERSION, 10_000 * major + 100 * minor + patch);
+}
