@@ -21,7 +21,7 @@ const FOLDERS: [(&str, &str); 4] =
 const DECISION: &str = "decision-";
 
 /// Other documents, and their names as pages.
-const DOCUMENTS: [(&str, &str); 11] = [
+const DOCUMENTS: [(&str, &str); 14] = [
     ("NOTATION.md", "notation.md"),
     ("ARCHITECTURE.md", "architecture.md"),
     ("CONTRIBUTING.md", "contributing.md"),
@@ -30,6 +30,9 @@ const DOCUMENTS: [(&str, &str); 11] = [
     ("docs/decisions/README.md", "decisions.md"),
     ("python/README.md", "python-package.md"),
     ("npm/README.md", "npm-package.md"),
+    ("integrations/ros2/robot_dynamics_ros2_control/README.md", "ros2-control.md"),
+    ("integrations/octave/README.md", "octave.md"),
+    ("integrations/julia/README.md", "julia.md"),
     ("lab/README.md", "lab-sources.md"),
     ("bench/README.md", "benchmarks.md"),
     ("bench/robots/README.md", "robot-surveys.md"),
@@ -46,7 +49,7 @@ pub(super) const PARTS: [&str; 2] = ["lab", "rust"];
 const LANGUAGES: [(&str, &str); 3] = [("sh", "Command"), ("rust", "Rust"), ("python", "Python")];
 
 /// Languages that the generator highlights.
-const KNOWN: [&str; 5] = ["rust", "python", "sh", "toml", "json"];
+const KNOWN: [&str; 8] = ["rust", "python", "sh", "toml", "json", "cpp", "c", "cmake"];
 
 /// Writes all pages, and the files that they lead to, into a folder.
 pub(super) fn write(folder: &Path) -> Result<(), String> {
