@@ -121,6 +121,15 @@ fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
             }
             None
         }
+        ["cmake", "-S", path, ..] => {
+            assert!(root().join(path).join("CMakeLists.txt").exists(), "{command}: no such project");
+            let files = words.iter().filter_map(|word| word.strip_prefix("-DCMAKE_TOOLCHAIN_FILE="));
+            for file in files {
+                assert!(root().join(file).exists(), "{command}: no such file");
+            }
+            None
+        }
+        ["cmake", "--build" | "--install", ..] | ["rustup", "target", "add", ..] => None,
         // The tests of the Python package run these.
         ["python", "-m", "robot_dynamics", ..] => None,
         ["python", script, ..] => {

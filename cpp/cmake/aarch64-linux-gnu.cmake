@@ -1,0 +1,7 @@
+# A toolchain for 64-bit ARM on Linux, with Debian's g++-aarch64-linux-gnu; qemu-user runs the tests.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_CROSSCOMPILING_EMULATOR "qemu-aarch64;-L;/usr/aarch64-linux-gnu")
+set(ROBOT_DYNAMICS_RUST_TARGET aarch64-unknown-linux-gnu CACHE STRING "The Rust target")
