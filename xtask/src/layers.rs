@@ -41,6 +41,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
         "verification",
         &["core", "description", "integrators", "nalgebra", "number", "serde", "simulation", "thiserror"],
     ),
+    ("certified", &["core", "nalgebra", "number"]),
     ("dynamics", &["core", "description", "integrators", "nalgebra", "number", "thiserror", "verification"]),
     ("xml", &["encoding_rs", "roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust"]),

@@ -1,0 +1,40 @@
+//! Proven bounds of a robot's quantities, by interval arithmetic.
+//!
+//! [`Interval`] is a [`Scalar`](robot_dynamics_number::Scalar). Recursions over scalars have no branch on a
+//! value, so each of them runs over intervals: the results contain the exact values for every state in a box.
+//! Constants are those of the compiled model, in double precision.
+//!
+//! | item | contents |
+//! | --- | --- |
+//! | [`Interval`] | a closed interval with outward rounding |
+//! | [`forward_dynamics`] | an enclosure of a, by an approximate inverse of M |
+//! | [`solve`] | an enclosure of the solutions of M x = b for all M and b in intervals |
+//! | [`is_positive_definite`] | a proof that every symmetric matrix in an interval matrix is positive definite |
+//!
+//! # Rounding
+//! - A sum has the error e of TwoSum (Knuth, *The Art of Computer Programming* 2, §4.2.2), which is exact
+//!   unless the sum overflows: a + b = s + e. The lower bound is s if e ≥ 0, and the number below s
+//!   otherwise. This is the sum rounded down. It is exact if the sum is.
+//! - A product, a quotient or a root x̂ is rounded to nearest. The exact x is then between the neighbours of
+//!   x̂, as x̂ is the nearest number to x, also if it underflows or overflows. The bounds are these neighbours.
+//!   A product with 0 or ±1 is exact.
+//! - Sine and cosine: x − k π/2 is computed in intervals, with π/2 as a sum of three numbers, the first two
+//!   of 30 bits. k has at most 22 bits, so their products with k are exact. A Taylor polynomial follows, in
+//!   intervals, with the remainder of Lagrange. Between the bounds of a wide interval lies an extremum only
+//!   if an interval that contains x/(π/2) contains an integer.
+//!
+//! Sources: Moore, Kearfott, Cloud, *Introduction to Interval Analysis*, SIAM 2009; Rump, *Verification
+//! methods*, Acta Numerica 19 (2010).
+
+mod elementary;
+mod interval;
+mod linear;
+mod scalar;
+
+pub use interval::Interval;
+pub use linear::{EnclosureError, forward_dynamics, is_positive_definite, solve};
+
+/// The code of the front page, compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
