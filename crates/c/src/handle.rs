@@ -8,6 +8,7 @@
 //! lock fails only while the object is freed, a write lock also while another call uses the object.
 
 use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 use crate::Status;
@@ -31,7 +32,7 @@ const CHUNKS: usize = 26;
 const GENERATIONS: u32 = 1 << 24;
 
 /// Slots that are made together.
-type Chunk<T> = Box<[RwLock<Slot<T>>]>;
+type Chunk<T> = Box<[Slot<T>]>;
 
 /// The objects of one kind. Slots never move, and are never released.
 pub(crate) struct Table<T> {
@@ -40,8 +41,10 @@ pub(crate) struct Table<T> {
 }
 
 struct Slot<T> {
-    generation: u32,
-    object: Option<T>,
+    /// It changes only while the object is locked for writing. Handles of other generations are refused without
+    /// the lock, so that they do not disturb the present object.
+    generation: AtomicU32,
+    object: RwLock<Option<T>>,
 }
 
 /// The slots without an object: freed ones, and all from `end` on.
@@ -51,10 +54,10 @@ struct Free {
 }
 
 /// An object in use by several calls.
-pub(crate) struct Shared<T: 'static>(RwLockReadGuard<'static, Slot<T>>);
+pub(crate) struct Shared<T: 'static>(RwLockReadGuard<'static, Option<T>>);
 
 /// An object in use by this call alone.
-pub(crate) struct Exclusive<T: 'static>(RwLockWriteGuard<'static, Slot<T>>);
+pub(crate) struct Exclusive<T: 'static>(RwLockWriteGuard<'static, Option<T>>);
 
 impl<T> Table<T> {
     pub(crate) const fn new() -> Self {
@@ -64,7 +67,7 @@ impl<T> Table<T> {
         }
     }
 
-    fn slot(&self, index: u32) -> Option<&RwLock<Slot<T>>> {
+    fn slot(&self, index: u32) -> Option<&Slot<T>> {
         let (chunk, offset) = position(index);
         self.chunks.get(chunk)?.get()?.get(offset)
     }
@@ -90,11 +93,12 @@ pub(crate) fn insert<T: Object>(object: T) -> Result<u64, Failure> {
     };
     drop(free);
     let (chunk, offset) = position(index);
-    let empty = || RwLock::new(Slot { generation: 0, object: None });
+    let empty = || Slot { generation: AtomicU32::new(0), object: RwLock::new(None) };
     let slots = table.chunks[chunk].get_or_init(|| (0..FIRST << chunk).map(|_| empty()).collect());
-    let mut slot = slots[offset].write().unwrap_or_else(PoisonError::into_inner);
-    slot.object = Some(object);
-    Ok(u64::from(T::KIND) << 56 | u64::from(slot.generation) << 32 | u64::from(index))
+    let slot = &slots[offset];
+    *slot.object.write().unwrap_or_else(PoisonError::into_inner) = Some(object);
+    let generation = slot.generation.load(Ordering::Acquire);
+    Ok(u64::from(T::KIND) << 56 | u64::from(generation) << 32 | u64::from(index))
 }
 
 /// Frees an object. The null handle is ignored.
@@ -102,20 +106,20 @@ pub(crate) fn remove<T: Object>(handle: u64) -> Result<(), Failure> {
     if handle == 0 {
         return Ok(());
     }
-    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
-    let mut slot = match slot.try_write() {
-        Ok(slot) => slot,
+    let slot = slot_of::<T>(handle)?;
+    let mut own = match slot.object.try_write() {
+        Ok(own) => own,
         // An earlier call on the object panicked.
         Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
         Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
     };
-    check::<T>(&slot, handle)?;
-    let object = slot.object.take();
-    slot.generation = (slot.generation + 1) % GENERATIONS;
-    drop(slot);
+    check::<T>(slot, own.as_ref(), handle)?;
+    let object = own.take();
+    slot.generation.store((generation_of(handle) + 1) % GENERATIONS, Ordering::Release);
+    drop(own);
     drop(object);
     // The lock of a slot with a fault is poisoned for good, so the slot is not used again.
-    if !T::table().slot(handle as u32).is_some_and(RwLock::is_poisoned) {
+    if !slot.object.is_poisoned() {
         T::table().free.lock().unwrap_or_else(PoisonError::into_inner).slots.push(handle as u32);
     }
     Ok(())
@@ -123,39 +127,39 @@ pub(crate) fn remove<T: Object>(handle: u64) -> Result<(), Failure> {
 
 /// The object of a handle, for reading.
 pub(crate) fn shared<T: Object>(handle: u64) -> Result<Shared<T>, Failure> {
-    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
-    let slot = match slot.try_read() {
-        Ok(slot) => slot,
+    let slot = slot_of::<T>(handle)?;
+    let own = match slot.object.try_read() {
+        Ok(own) => own,
         Err(TryLockError::Poisoned(poisoned)) => {
-            check::<T>(poisoned.get_ref(), handle)?;
+            check::<T>(slot, poisoned.get_ref().as_ref(), handle)?;
             return Err(panicked::<T>());
         }
         Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
     };
-    check::<T>(&slot, handle)?;
-    Ok(Shared(slot))
+    check::<T>(slot, own.as_ref(), handle)?;
+    Ok(Shared(own))
 }
 
 /// The object of a handle, for this call alone.
 pub(crate) fn exclusive<T: Object>(handle: u64) -> Result<Exclusive<T>, Failure> {
-    let slot = T::table().slot(index_of::<T>(handle)?).ok_or_else(invalid::<T>)?;
-    let slot = match slot.try_write() {
-        Ok(slot) => slot,
+    let slot = slot_of::<T>(handle)?;
+    let own = match slot.object.try_write() {
+        Ok(own) => own,
         Err(TryLockError::Poisoned(poisoned)) => {
-            check::<T>(poisoned.get_ref(), handle)?;
+            check::<T>(slot, poisoned.get_ref().as_ref(), handle)?;
             return Err(panicked::<T>());
         }
         Err(TryLockError::WouldBlock) => return Err(in_use::<T>()),
     };
-    check::<T>(&slot, handle)?;
-    Ok(Exclusive(slot))
+    check::<T>(slot, own.as_ref(), handle)?;
+    Ok(Exclusive(own))
 }
 
 impl<T> Deref for Shared<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        self.0.object.as_ref().expect("a checked slot has an object")
+        self.0.as_ref().expect("a checked slot has an object")
     }
 }
 
@@ -163,24 +167,34 @@ impl<T> Deref for Exclusive<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        self.0.object.as_ref().expect("a checked slot has an object")
+        self.0.as_ref().expect("a checked slot has an object")
     }
 }
 
 impl<T> DerefMut for Exclusive<T> {
     fn deref_mut(&mut self) -> &mut T {
-        self.0.object.as_mut().expect("a checked slot has an object")
+        self.0.as_mut().expect("a checked slot has an object")
     }
 }
 
-/// The index of a handle of this kind.
-fn index_of<T: Object>(handle: u64) -> Result<u32, Failure> {
-    if handle >> 56 == u64::from(T::KIND) { Ok(handle as u32) } else { Err(foreign::<T>(handle)) }
+/// The slot of a handle of this kind and of the slot's present generation.
+fn slot_of<T: Object>(handle: u64) -> Result<&'static Slot<T>, Failure> {
+    if handle >> 56 != u64::from(T::KIND) {
+        return Err(foreign::<T>(handle));
+    }
+    let slot = T::table().slot(handle as u32).ok_or_else(invalid::<T>)?;
+    let is_present = slot.generation.load(Ordering::Acquire) == generation_of(handle);
+    if is_present { Ok(slot) } else { Err(invalid::<T>()) }
 }
 
-fn check<T: Object>(slot: &Slot<T>, handle: u64) -> Result<(), Failure> {
-    let generation = (handle >> 32) as u32 % GENERATIONS;
-    if slot.generation == generation && slot.object.is_some() { Ok(()) } else { Err(invalid::<T>()) }
+fn generation_of(handle: u64) -> u32 {
+    (handle >> 32) as u32 % GENERATIONS
+}
+
+/// Checks a locked slot, whose generation may have changed before the lock.
+fn check<T: Object>(slot: &Slot<T>, own: Option<&T>, handle: u64) -> Result<(), Failure> {
+    let is_present = slot.generation.load(Ordering::Acquire) == generation_of(handle);
+    if is_present && own.is_some() { Ok(()) } else { Err(invalid::<T>()) }
 }
 
 #[cold]
