@@ -41,8 +41,8 @@ pub(crate) struct Table<T> {
 }
 
 struct Slot<T> {
-    /// It changes only while the object is locked for writing. Handles of other generations are refused without
-    /// the lock, so that they do not disturb the present object.
+    /// It changes only while the object is locked for writing. Handles of other generations are refused
+    /// without the lock, so that they do not disturb the present object.
     generation: AtomicU32,
     object: RwLock<Option<T>>,
 }
