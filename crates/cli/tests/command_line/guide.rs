@@ -129,9 +129,10 @@ fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
             }
             None
         }
-        ["cmake", "--build" | "--install", ..] | ["rustup", "target", "add", ..] => None,
-        // The tests of the Python package run these.
-        ["python", "-m", "robot_dynamics", ..] => None,
+        // The tests of the C++ library and of the Python package run these.
+        ["cmake", "--build" | "--install", ..]
+        | ["rustup", "target", "add", ..]
+        | ["python", "-m", "robot_dynamics", ..] => None,
         ["python", script, ..] => {
             assert!(root().join(script).exists(), "{command}: no such script");
             None
