@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::cargo::target_folder;
+use crate::cmake;
 use crate::install::{install_package, is_there};
 use crate::integrations;
 use crate::root::root;
@@ -29,26 +30,18 @@ pub(crate) fn run() -> Result<(), String> {
     install()?;
     let folder = target_folder().join("cpp");
     let (build, prefix, users) = (folder.join("build"), folder.join("prefix"), folder.join("examples"));
-    let target = target_folder();
-    let mut configure = cmake();
-    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(&build);
-    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target.display()));
+    let mut configure = configured("cpp", &build);
     configure.args(["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib"]);
     step("cpp: configure", configure)?;
-    step("cpp: build", built(&build))?;
-    let mut test = Command::new("ctest");
-    test.arg("--output-on-failure").current_dir(&build);
-    step("cpp: tests", test)?;
+    step("cpp: build", cmake::build(&build))?;
+    step("cpp: tests", cmake::test(&build))?;
     check_symbols(&build)?;
     sanitize(&folder.join("sanitized"))?;
-    let mut install = cmake();
-    install.arg("--install").arg(&build).arg("--prefix").arg(&prefix);
-    step("cpp: install", install)?;
-    let mut find = cmake();
-    find.arg("-S").arg(root().join("cpp/examples")).arg("-B").arg(&users);
+    step("cpp: install", cmake::install(&build, &prefix))?;
+    let mut find = cmake::configure(&root().join("cpp/examples"), &users);
     find.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()));
     step("cpp: find the installed package", find)?;
-    step("cpp: build the examples", built(&users))?;
+    step("cpp: build the examples", cmake::build(&users))?;
     let mut example = Command::new(users.join("hold"));
     example.arg(root().join("robots/panda.urdf"));
     step("cpp: an example", example)?;
@@ -59,12 +52,10 @@ pub(crate) fn run() -> Result<(), String> {
 
 /// Builds a project that takes the sources by FetchContent and links statically, and runs it.
 fn by_fetch_content(folder: &Path) -> Result<(), String> {
-    let mut configure = cmake();
-    configure.arg("-S").arg(root().join("cpp/tests/fetch_content")).arg("-B").arg(folder);
+    let mut configure = configured("cpp/tests/fetch_content", folder);
     configure.arg(format!("-DSOURCES={}", root().display()));
-    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target_folder().display()));
     step("cpp: configure with FetchContent", configure)?;
-    let mut build = built(folder);
+    let mut build = cmake::build(folder);
     build.args(["--target", "hold"]);
     step("cpp: build with FetchContent", build)?;
     let mut run = Command::new(folder.join("hold"));
@@ -72,14 +63,11 @@ fn by_fetch_content(folder: &Path) -> Result<(), String> {
     step("cpp: run it", run)
 }
 
-fn cmake() -> Command {
-    Command::new("cmake")
-}
-
-fn built(folder: &Path) -> Command {
-    let mut build = cmake();
-    build.arg("--build").arg(folder).args(["--parallel", "2"]);
-    build
+/// Configures a project that compiles the library in Cargo's usual folder.
+fn configured(source: &str, build: &Path) -> Command {
+    let mut command = cmake::configure(&root().join(source), build);
+    command.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target_folder().display()));
+    command
 }
 
 fn install() -> Result<(), String> {
@@ -100,39 +88,30 @@ fn install() -> Result<(), String> {
 /// own allocations pass through the same checks; its code is not instrumented.
 fn sanitize(folder: &Path) -> Result<(), String> {
     let sanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
-    let mut configure = cmake();
-    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(folder);
-    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target_folder().display()));
+    let mut configure = configured("cpp", folder);
     configure.args(["-DCMAKE_BUILD_TYPE=Debug", "-DROBOT_DYNAMICS_INSTALL=OFF"]);
     for language in ["C", "CXX"] {
         configure.arg(format!("-DCMAKE_{language}_FLAGS={sanitizers}"));
     }
     step("cpp: configure with sanitizers", configure)?;
-    step("cpp: build with sanitizers", built(folder))?;
-    let mut test = Command::new("ctest");
-    test.arg("--output-on-failure").current_dir(folder);
-    step("cpp: tests with sanitizers", test)
+    step("cpp: build with sanitizers", cmake::build(folder))?;
+    step("cpp: tests with sanitizers", cmake::test(folder))
 }
 
 /// Builds the libraries for this machine and writes an archive of the installation into the folder.
 pub(crate) fn package(folder: &Path) -> Result<Vec<PathBuf>, String> {
     install()?;
-    let target = target_folder();
-    let build = target.join("cpp/release");
+    let build = target_folder().join("cpp/release");
     let name = format!("robot-dynamics-cpp-{}-{}-linux", workspace_version()?, std::env::consts::ARCH);
-    let mut configure = cmake();
-    configure.arg("-S").arg(root().join("cpp")).arg("-B").arg(&build);
-    configure.arg(format!("-DROBOT_DYNAMICS_TARGET_DIR={}", target.display()));
+    let mut configure = configured("cpp", &build);
     configure.args([
         "-DCMAKE_BUILD_TYPE=Release",
         "-DCMAKE_INSTALL_LIBDIR=lib",
         "-DROBOT_DYNAMICS_TESTS=OFF",
     ]);
     step("release: configure the C++ library", configure)?;
-    step("release: build the C++ library", built(&build))?;
-    let mut install = cmake();
-    install.arg("--install").arg(&build).arg("--prefix").arg(folder.join(&name));
-    step("release: install it", install)?;
+    step("release: build the C++ library", cmake::build(&build))?;
+    step("release: install it", cmake::install(&build, &folder.join(&name)))?;
     let archive = folder.join(format!("{name}.tgz"));
     let mut tar = Command::new("tar");
     tar.args(["--create", "--gzip", "--file"]).arg(&archive);

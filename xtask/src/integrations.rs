@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::cmake;
 use crate::install::is_there;
 use crate::root::root;
 use crate::step::step;
@@ -22,14 +23,9 @@ pub(crate) fn run(prefix: &Path, folder: &Path) -> Result<(), String> {
 
 /// Configures, builds and tests a CMake project.
 fn project(name: &str, prefix: &Path, build: &Path) -> Result<(), String> {
-    let mut configure = Command::new("cmake");
-    configure.arg("-S").arg(root().join("integrations").join(name)).arg("-B").arg(build);
+    let mut configure = cmake::configure(&root().join("integrations").join(name), build);
     configure.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()));
     step(&format!("cpp: integrations/{name}: configure"), configure)?;
-    let mut compile = Command::new("cmake");
-    compile.arg("--build").arg(build).args(["--parallel", "2"]);
-    step(&format!("cpp: integrations/{name}: build"), compile)?;
-    let mut test = Command::new("ctest");
-    test.arg("--output-on-failure").current_dir(build);
-    step(&format!("cpp: integrations/{name}: tests"), test)
+    step(&format!("cpp: integrations/{name}: build"), cmake::build(build))?;
+    step(&format!("cpp: integrations/{name}: tests"), cmake::test(build))
 }

@@ -5,6 +5,7 @@
 
 mod allowances;
 mod cargo;
+mod cmake;
 mod cpp;
 mod examples;
 mod files;
