@@ -15,7 +15,6 @@ public:
     static Result<Batch> make(const Robot& robot, std::size_t threads = 0) {
         Batch batch;
         batch.nq_ = robot.nq();
-        batch.nv_ = robot.nv();
         rd_status status = rd_batch_new(robot.model(), threads, batch.owner_.put());
         return detail::finish(status, std::move(batch));
     }
@@ -83,7 +82,6 @@ private:
 
     detail::Owner<rd_batch, rd_batch_free> owner_;
     std::size_t nq_ = 0;
-    std::size_t nv_ = 0;
 };
 
 }

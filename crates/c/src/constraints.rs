@@ -7,6 +7,7 @@ use robot_dynamics::constraints::{
     project_position,
 };
 use robot_dynamics::description::Pose;
+use robot_dynamics::model::FrameId;
 
 use crate::Status;
 use crate::arrays::{Arrays, c_text, result};
@@ -72,21 +73,13 @@ pub unsafe extern "C" fn rd_constraints_at_points(
     points_len: usize,
     constraints: *mut ConstraintsHandle,
 ) -> Status {
-    call(|| {
-        let constraints = result("the result `constraints`", constraints)?;
-        let robot = shared::<RobotModel>(model.id)?;
-        let mut arrays = Arrays::default();
-        let frames = arrays.any("the frames", frames, frame_count)?;
-        let points = arrays.input("the points", points, points_len, frame_count.saturating_mul(3))?;
-        let mut set = Vec::new();
-        for (frame, point) in frames.iter().zip(points.chunks_exact(3)) {
-            let id = robot.frame(*frame)?;
-            let constraint = FrameConstraint::point_contact(id, [point[0], point[1], point[2]]);
-            set.push((robot.model.frame_of(id).name.clone(), constraint.into()));
-        }
-        constraints.id = insert(Constraints::new(&robot, ConstraintSet::new(&robot.model, set)?))?;
-        Ok(())
-    })
+    supports::<3>(
+        model,
+        (frames, frame_count),
+        ("the points", points, points_len),
+        constraints,
+        |frame, point| FrameConstraint::point_contact(frame, *point),
+    )
 }
 
 /// Supports that hold the poses of frames. `poses` has 12 numbers for each frame, its pose in the world. Free
@@ -100,17 +93,33 @@ pub unsafe extern "C" fn rd_constraints_at_poses(
     poses_len: usize,
     constraints: *mut ConstraintsHandle,
 ) -> Status {
+    supports::<12>(
+        model,
+        (frames, frame_count),
+        ("the poses", poses, poses_len),
+        constraints,
+        |frame, pose| FrameConstraint::contact(frame, pose_of(pose), &ALL_AXES),
+    )
+}
+
+/// Makes constraints with the names of their frames, from N numbers for each frame.
+unsafe fn supports<const N: usize>(
+    model: ModelHandle,
+    (frames, frame_count): (*const u32, usize),
+    (name, numbers, numbers_len): (&str, *const f64, usize),
+    constraints: *mut ConstraintsHandle,
+    constraint: impl Fn(FrameId, &[f64; N]) -> FrameConstraint,
+) -> Status {
     call(|| {
         let constraints = result("the result `constraints`", constraints)?;
         let robot = shared::<RobotModel>(model.id)?;
         let mut arrays = Arrays::default();
         let frames = arrays.any("the frames", frames, frame_count)?;
-        let poses = arrays.input("the poses", poses, poses_len, frame_count.saturating_mul(12))?;
+        let numbers = arrays.input(name, numbers, numbers_len, frame_count.saturating_mul(N))?;
         let mut set = Vec::new();
-        for (frame, pose) in frames.iter().zip(poses.chunks_exact(12)) {
+        for (frame, numbers) in frames.iter().zip(numbers.as_chunks::<N>().0) {
             let id = robot.frame(*frame)?;
-            let constraint = FrameConstraint::contact(id, pose_of(pose), &ALL_AXES);
-            set.push((robot.model.frame_of(id).name.clone(), constraint.into()));
+            set.push((robot.model.frame_of(id).name.clone(), constraint(id, numbers).into()));
         }
         constraints.id = insert(Constraints::new(&robot, ConstraintSet::new(&robot.model, set)?))?;
         Ok(())
@@ -140,7 +149,7 @@ pub extern "C" fn rd_constraints_row_count(constraints: ConstraintsHandle) -> us
     query(0, || Ok(shared::<Constraints>(constraints.id)?.names.len()))
 }
 
-/// The name of a row; null if there is none. It is valid until the constraints are freed.
+/// The name of a row; null for any other number. It is valid until the constraints are freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_constraints_row_name(constraints: ConstraintsHandle, row: usize) -> *const c_char {
     query(std::ptr::null(), || {

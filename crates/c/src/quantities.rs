@@ -2,14 +2,16 @@
 
 pub mod functions;
 
-use std::ffi::{c_char, c_void};
+use std::ffi::{CString, c_char};
+use std::ptr::null;
+use std::sync::LazyLock;
 
 use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
 use robot_dynamics_number::are_finite;
 
 use crate::Status;
-use crate::arrays::{Arrays, options, result, text};
+use crate::arrays::{Arrays, c_text, options, result, text};
 use crate::calls::{call, query};
 use crate::failure::{Failure, check_result};
 use crate::handle::exclusive;
@@ -213,16 +215,12 @@ unsafe fn compute(
     let v = arrays.input("v", inputs.v, inputs.v_len, reads(Input::Velocity))?;
     let a = arrays.input("a", inputs.a, inputs.a_len, reads(Input::Acceleration))?;
     let tau = arrays.input("tau", inputs.tau, inputs.tau_len, reads(Input::Force))?;
-    let frame = [inputs.frames].map(|frames| {
-        if quantity.reads(Input::Frame) {
-            let frames = arrays.input("the frames", frames, inputs.frames_len, 1)?;
-            robot.frame(frames[0]).map(Some)
-        } else {
-            Ok(None)
-        }
-    });
-    let [frame] = frame;
-    let frame = frame?;
+    let frame = if quantity.reads(Input::Frame) {
+        let frames = arrays.input("the frames", inputs.frames, inputs.frames_len, 1)?;
+        Some(robot.frame(frames[0])?)
+    } else {
+        None
+    };
     let lengths = result_lengths(quantity, &robot, robot.poses.len());
     let mut out = [
         arrays.output("the first result", results.first, results.first_len, lengths[0])?,
@@ -264,35 +262,12 @@ pub(crate) fn pose_numbers(pose: &robot_dynamics::description::Pose, numbers: &m
     numbers[9..].copy_from_slice(&pose.translation);
 }
 
-/// The name of a quantity; null if there is none of this number.
+/// The name of a quantity; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_quantity_name(quantity: u32) -> *const c_char {
-    const NAMES: &[&std::ffi::CStr] = &[
-        c"mass_matrix",
-        c"bias",
-        c"gravity",
-        c"coriolis_matrix",
-        c"velocity_product",
-        c"inverse_dynamics",
-        c"forward_dynamics",
-        c"inverse_mass_matrix",
-        c"mass_matrix_factor",
-        c"kinetic_energy",
-        c"potential_energy",
-        c"momentum",
-        c"center_of_mass",
-        c"center_of_mass_jacobian",
-        c"centroidal_momentum_matrix",
-        c"frame_poses",
-        c"frame_jacobian_local_world_aligned",
-        c"frame_jacobian_local",
-        c"frame_jacobian_world",
-        c"inverse_dynamics_derivatives",
-        c"forward_dynamics_derivatives",
-        c"gravity_derivative",
-    ];
-    let missing = std::ptr::null::<c_void>().cast();
-    query(missing, || {
+    static NAMES: LazyLock<Vec<CString>> =
+        LazyLock::new(|| Quantity::ALL.iter().map(|quantity| c_text(quantity.name())).collect());
+    query(null(), || {
         quantity_of(quantity)?;
         Ok(NAMES[quantity as usize].as_ptr())
     })

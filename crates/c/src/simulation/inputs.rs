@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use robot_dynamics::simulation::AppliedWrench;
+use robot_dynamics::simulation::{AppliedWrench, RunError, Simulation};
 
 use crate::Status;
 use crate::arrays::{Arrays, text};
@@ -14,6 +14,22 @@ use crate::model::frame_of;
 
 use super::{RobotSimulation, SimulationHandle};
 
+/// Passes a state to a function of the simulation.
+unsafe fn with_state(
+    simulation: SimulationHandle,
+    (q, nq): (*const f64, usize),
+    (v, nv): (*const f64, usize),
+    set: impl FnOnce(&mut Simulation, &[f64], &[f64]) -> Result<(), RunError>,
+) -> Status {
+    call(|| {
+        let mut own = exclusive::<RobotSimulation>(simulation.id)?;
+        let mut arrays = Arrays::default();
+        let q = arrays.input("q", q, nq, own.simulation.q().len())?;
+        let v = arrays.input("v", v, nv, own.simulation.v().len())?;
+        Ok(set(&mut own.simulation, q, v)?)
+    })
+}
+
 /// Sets the state, and time and energy account to their start.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rd_simulation_reset(
@@ -23,13 +39,7 @@ pub unsafe extern "C" fn rd_simulation_reset(
     v: *const f64,
     nv: usize,
 ) -> Status {
-    call(|| {
-        let mut own = exclusive::<RobotSimulation>(simulation.id)?;
-        let mut arrays = Arrays::default();
-        let q = arrays.input("q", q, nq, own.simulation.q().len())?;
-        let v = arrays.input("v", v, nv, own.simulation.v().len())?;
-        Ok(own.simulation.reset(q, v)?)
-    })
+    with_state(simulation, (q, nq), (v, nv), Simulation::reset)
 }
 
 /// Resets the state to a named pose of the robot's files.
@@ -50,13 +60,7 @@ pub unsafe extern "C" fn rd_simulation_set_state(
     v: *const f64,
     nv: usize,
 ) -> Status {
-    call(|| {
-        let mut own = exclusive::<RobotSimulation>(simulation.id)?;
-        let mut arrays = Arrays::default();
-        let q = arrays.input("q", q, nq, own.simulation.q().len())?;
-        let v = arrays.input("v", v, nv, own.simulation.v().len())?;
-        Ok(own.simulation.set_state(q, v)?)
-    })
+    with_state(simulation, (q, nq), (v, nv), Simulation::set_state)
 }
 
 /// Sets the torques of the next steps, nv numbers \[N m or N\]. Does not allocate.
