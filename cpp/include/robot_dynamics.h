@@ -890,22 +890,22 @@ const char *rd_model_name(rd_model model);
 const char *rd_model_report(rd_model model);
 
 /**
- * The name of a joint by its number; null if there is none.
+ * The name of a joint by its number; null for any other number.
  */
 const char *rd_model_joint_name(rd_model model, size_t joint);
 
 /**
- * The name of a coordinate of v by its number; null if there is none.
+ * The name of a coordinate of v by its number; null for any other number.
  */
 const char *rd_model_coordinate_name(rd_model model, size_t coordinate);
 
 /**
- * The name of a frame by its number; null if there is none.
+ * The name of a frame by its number; null for any other number.
  */
 const char *rd_model_frame_name(rd_model model, uint32_t frame);
 
 /**
- * The name of a pose by its number; null if there is none.
+ * The name of a pose by its number; null for any other number.
  */
 const char *rd_model_pose_name(rd_model model, size_t pose);
 
@@ -1023,7 +1023,7 @@ rd_status rd_constraints_free(rd_constraints constraints);
 size_t rd_constraints_row_count(rd_constraints constraints);
 
 /**
- * The name of a row; null if there is none. It is valid until the constraints are freed.
+ * The name of a row; null for any other number. It is valid until the constraints are freed.
  */
 const char *rd_constraints_row_name(rd_constraints constraints, size_t row);
 
@@ -1341,7 +1341,7 @@ rd_status rd_motion_record_push(rd_motion_record record,
 size_t rd_motion_record_parameter_count(rd_motion_record record);
 
 /**
- * The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is
+ * The name of a parameter, such as `forearm.m`; null for any other number. It is valid until the record is
  * freed.
  */
 const char *rd_motion_record_parameter_name(rd_motion_record record, size_t parameter);
@@ -1566,7 +1566,7 @@ rd_status rd_quantity_lengths(rd_workspace workspace,
                               size_t lengths_len);
 
 /**
- * The name of a quantity; null if there is none of this number.
+ * The name of a quantity; null for any other number.
  */
 const char *rd_quantity_name(uint32_t quantity);
 
@@ -1791,7 +1791,7 @@ const char *rd_simulation_left_out(rd_simulation simulation);
 size_t rd_simulation_control_count(rd_simulation simulation);
 
 /**
- * The name of an actuator; null if there is none of this number.
+ * The name of an actuator; null for any other number.
  */
 const char *rd_simulation_control_name(rd_simulation simulation, size_t control);
 
@@ -1890,7 +1890,7 @@ rd_status rd_simulation_set_wrenches(rd_simulation simulation,
 size_t rd_simulation_sensor_count(rd_simulation simulation);
 
 /**
- * The name of a sensor; null if there is none of this number.
+ * The name of a sensor; null for any other number.
  */
 const char *rd_simulation_sensor_name(rd_simulation simulation, size_t sensor);
 

@@ -149,7 +149,7 @@ pub extern "C" fn rd_motion_record_parameter_count(record: MotionRecordHandle) -
     query(0, || Ok(shared::<Record>(record.id)?.names.len()))
 }
 
-/// The name of a parameter, such as `forearm.m`; null if there is none. It is valid until the record is
+/// The name of a parameter, such as `forearm.m`; null for any other number. It is valid until the record is
 /// freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_motion_record_parameter_name(

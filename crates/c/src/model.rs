@@ -127,25 +127,25 @@ pub extern "C" fn rd_model_report(model: ModelHandle) -> *const c_char {
     query(null(), || Ok(shared::<RobotModel>(model.id)?.report.as_ptr()))
 }
 
-/// The name of a joint by its number; null if there is none.
+/// The name of a joint by its number; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_model_joint_name(model: ModelHandle, joint: usize) -> *const c_char {
     name(model, joint, |robot| &robot.joint_names)
 }
 
-/// The name of a coordinate of v by its number; null if there is none.
+/// The name of a coordinate of v by its number; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_model_coordinate_name(model: ModelHandle, coordinate: usize) -> *const c_char {
     name(model, coordinate, |robot| &robot.coordinate_names)
 }
 
-/// The name of a frame by its number; null if there is none.
+/// The name of a frame by its number; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_model_frame_name(model: ModelHandle, frame: u32) -> *const c_char {
     name(model, frame as usize, |robot| &robot.frame_names)
 }
 
-/// The name of a pose by its number; null if there is none.
+/// The name of a pose by its number; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_model_pose_name(model: ModelHandle, pose: usize) -> *const c_char {
     name(model, pose, |robot| &robot.pose_names)

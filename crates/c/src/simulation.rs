@@ -212,7 +212,7 @@ pub extern "C" fn rd_simulation_control_count(simulation: SimulationHandle) -> u
     query(0, || Ok(shared::<RobotSimulation>(simulation.id)?.control_names.len()))
 }
 
-/// The name of an actuator; null if there is none of this number.
+/// The name of an actuator; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_simulation_control_name(simulation: SimulationHandle, control: usize) -> *const c_char {
     text_of(simulation, |own| own.control_names.get(control).map(|name| name.as_ptr()))

@@ -16,7 +16,7 @@ pub extern "C" fn rd_simulation_sensor_count(simulation: SimulationHandle) -> us
     query(0, || Ok(shared::<RobotSimulation>(simulation.id)?.sensors.names.len()))
 }
 
-/// The name of a sensor; null if there is none of this number.
+/// The name of a sensor; null for any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn rd_simulation_sensor_name(simulation: SimulationHandle, sensor: usize) -> *const c_char {
     text_of(simulation, |own| own.sensors.names.get(sensor).map(|name| name.as_ptr()))
