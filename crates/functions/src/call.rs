@@ -3,7 +3,7 @@
 use robot_dynamics_core::{FrameId, InstructionSet, Model, Workspace};
 use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
-use robot_dynamics_simulation::{StepForces, StepStagesWorkspace};
+use robot_dynamics_simulation::{ContactStep, ContactStepInputs, StepForces, StepStagesWorkspace};
 
 use crate::{Function, FunctionError, FunctionResult};
 use robot_dynamics_description::Pose;
@@ -42,14 +42,27 @@ pub(crate) fn call<S: Scalar>(
         return Err(FunctionError::NotDifferentiable { function: function.to_string() });
     }
     let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
+    let contact = contact_step(function, model)?;
     Ok(move |arguments: &[Vec<S>]| {
         let mut results = zeros(function, model);
         let mut arguments: Vec<&[S]> = arguments.iter().map(Vec::as_slice).collect();
-        arguments.resize(4, &[]);
-        let memory = &mut CallWorkspaces::new(function, model, InstructionSet::Portable);
+        arguments.resize(MOST_ARGUMENTS, &[]);
+        let memory = &mut CallWorkspaces::new(function, model, contact.clone(), InstructionSet::Portable);
         compute(function, model, frame, memory, &arguments, &mut results);
         results
     })
+}
+
+/// The largest number of arguments.
+const MOST_ARGUMENTS: usize = 6;
+
+/// The step with contact of which a function computes a stage.
+fn contact_step(function: &Function, model: &Model) -> Result<Option<ContactStep>, FunctionError> {
+    let sweeps = match function {
+        Function::ContactStep { sweeps } => usize::from(*sweeps),
+        _ => 1,
+    };
+    Ok(function.is_of_contact().then(|| ContactStep::new(model, sweeps)).transpose()?)
 }
 
 fn zeros<S: Scalar>(function: &Function, model: &Model) -> Vec<Vec<S>> {
@@ -86,7 +99,8 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
             return Err(FunctionError::NotDifferentiable { function: function.to_string() });
         }
         let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
-        let memory = CallWorkspaces::new(function, model, InstructionSet::best());
+        let contact = contact_step(function, model)?;
+        let memory = CallWorkspaces::new(function, model, contact, InstructionSet::best());
         Ok(Self { function, model, frame, memory, results: zeros(function, model) })
     }
 
@@ -95,10 +109,10 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
     /// # Panics
     /// If an argument has the wrong length; see [`Function::arguments`].
     pub fn compute(&mut self, arguments: &[&[S]]) -> &[Vec<S>] {
-        let mut four: [&[S]; 4] = [&[]; 4];
-        four[..arguments.len()].copy_from_slice(arguments);
+        let mut all: [&[S]; MOST_ARGUMENTS] = [&[]; MOST_ARGUMENTS];
+        all[..arguments.len()].copy_from_slice(arguments);
         let Self { function, model, frame, memory, results } = self;
-        compute(function, model, *frame, memory, &four, results);
+        compute(function, model, *frame, memory, &all, results);
         results
     }
 }
@@ -107,16 +121,18 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
 struct CallWorkspaces<S: Scalar> {
     tree: Workspace<S>,
     step: Option<StepStagesWorkspace<S>>,
+    contact: Option<ContactStep>,
 }
 
 impl<S: Scalar> CallWorkspaces<S> {
-    fn new(function: &Function, model: &Model, limit: InstructionSet) -> Self {
+    fn new(function: &Function, model: &Model, contact: Option<ContactStep>, limit: InstructionSet) -> Self {
         let step = function.integrator().map(|_| StepStagesWorkspace::limited(model, limit));
-        Self { tree: Workspace::limited(model, limit), step }
+        Self { tree: Workspace::limited(model, limit), step, contact }
     }
 }
 
-/// Computes the function's results. `arguments` has four entries; those that the function lacks are empty.
+/// Computes the function's results. `arguments` has [`MOST_ARGUMENTS`] entries; those that the function lacks
+/// are empty.
 fn compute<S: Scalar>(
     function: &Function,
     model: &Model,
@@ -125,7 +141,7 @@ fn compute<S: Scalar>(
     arguments: &[&[S]],
     results: &mut [Vec<S>],
 ) {
-    let CallWorkspaces { tree: w, step } = memory;
+    let CallWorkspaces { tree: w, step, contact } = memory;
     let (x, y, z) = (arguments[0], arguments[1], arguments[2]);
     let one = &mut results[0][..];
     match function {
@@ -153,6 +169,13 @@ fn compute<S: Scalar>(
         Function::SemiImplicitEulerStep | Function::Rk4Step => {
             let workspace = step.as_mut().expect("a step has a workspace");
             explicit_step(function, model, workspace, arguments, results);
+        }
+        Function::ContactStep { .. }
+        | Function::ContactProblem
+        | Function::ContactSweep
+        | Function::ContactEnd => {
+            let contact = contact.as_ref().expect("a function of contact has a step");
+            contact_stage(function, contact, model, w, arguments, results);
         }
         Function::FramePoses => frame_poses(model, w, x, one),
         Function::FramePose(_) => {
@@ -210,7 +233,7 @@ fn inverse_pullback<S: Scalar>(
     arguments: &[&[S]],
     results: &mut [Vec<S>],
 ) {
-    let &[q, v, a, cotangent] = arguments else { unreachable!("four arguments") };
+    let [q, v, a, cotangent, ..] = *arguments else { unreachable!("four arguments") };
     let [by_position, by_velocity, by_acceleration] = results else { unreachable!("three results") };
     let parameters = &mut [];
     let out =
@@ -225,7 +248,7 @@ fn forward_pullback<S: Scalar>(
     arguments: &[&[S]],
     results: &mut [Vec<S>],
 ) {
-    let &[q, v, tau, cotangent] = arguments else { unreachable!("four arguments") };
+    let [q, v, tau, cotangent, ..] = *arguments else { unreachable!("four arguments") };
     let [acceleration, by_position, by_velocity, by_force] = results else { unreachable!("four results") };
     let parameters = &mut [];
     let out = robot_dynamics_core::ForwardPullbackMut {
@@ -249,11 +272,41 @@ fn explicit_step<S: Scalar>(
     let Some(StepScheme::Explicit(stages)) = function.integrator().map(Integrator::scheme) else {
         unreachable!("generated steps have explicit stages")
     };
-    let &[q, v, tau, h] = arguments else { unreachable!("four arguments") };
+    let [q, v, tau, h, ..] = *arguments else { unreachable!("four arguments") };
     let [q_next, v_next] = results else { unreachable!("two results") };
     let forces = StepForces::new(tau, true);
     let (from, to) = ((q, v), (&mut q_next[..], &mut v_next[..]));
     robot_dynamics_simulation::step_stages(model, stages, workspace, &forces, h[0], from, to);
+}
+
+/// A step with contact, or a stage of one.
+fn contact_stage<S: Scalar>(
+    function: &Function,
+    step: &ContactStep,
+    model: &Model,
+    w: &mut Workspace<S>,
+    arguments: &[&[S]],
+    results: &mut [Vec<S>],
+) {
+    let [x, y, z, s, t, u, ..] = *arguments else { unreachable!("six arguments") };
+    let (first, rest) = results.split_first_mut().expect("a function has results");
+    match function {
+        Function::ContactStep { .. } => {
+            let inputs = ContactStepInputs::new([x, y, z], s[0], t[0], u);
+            let [velocity, impulses] = rest else { unreachable!("three results") };
+            step.step(model, w, &inputs, first, velocity, impulses);
+        }
+        Function::ContactProblem => {
+            let inputs = ContactStepInputs::new([x, y, z], s[0], t[0], u);
+            step.prepare(model, w, &inputs, first, &mut rest[0]);
+        }
+        Function::ContactSweep => {
+            first.copy_from_slice(y);
+            rest[0].copy_from_slice(z);
+            step.sweep(x, first, &mut rest[0]);
+        }
+        _ => step.finish(model, x, (z, s[0]), y, first, &mut rest[0]),
+    }
 }
 
 /// The rotation matrix and the origin of each frame, 12 numbers a frame.

@@ -11,14 +11,14 @@ use crate::Function;
 #[non_exhaustive]
 pub enum FunctionError {
     /// No function has this name.
-    #[error("unknown function `{name}`; the functions are {}; of a frame {}; and for each except derivatives and pullbacks, NAME_derivatives and NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    #[error("unknown function `{name}`; the functions are {}; of a frame {}; and for each except derivatives, pullbacks and contact, NAME_derivatives and NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     Unknown {
         /// The name given.
         name: String,
     },
     /// Derivatives or pullbacks of derivatives or pullbacks.
     #[error(
-        "unknown function `{function}`: derivatives and pullbacks have no derivatives or pullbacks themselves"
+        "unknown function `{function}`: derivatives, pullbacks and steps with contact have no derivatives or pullbacks"
     )]
     NotDifferentiable {
         /// The function's name.
@@ -50,5 +50,6 @@ impl Classified for FunctionError {
 }
 
 fn plain_names() -> String {
-    Function::PLAIN.map(|function| function.to_string()).join(", ")
+    let all = Function::PLAIN.into_iter().chain(Function::OF_CONTACT);
+    all.map(|function| function.to_string()).collect::<Vec<_>>().join(", ")
 }

@@ -1,12 +1,15 @@
 //! The names, arguments and results of the functions.
 
+mod contact;
 mod signature;
+mod size;
 
 use robot_dynamics_core::ReferenceFrame;
 use robot_dynamics_integrators::Integrator;
 
+pub(crate) use self::signature::ArgumentRow;
 pub use self::signature::{Argument, FunctionResult};
-pub(crate) use self::signature::{ArgumentRow, Size};
+pub(crate) use self::size::Size;
 
 /// A function of a robot, with the library's name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -59,6 +62,18 @@ pub enum Function {
     /// One step of h by the classical Runge–Kutta method, with τ constant over it; damping and friction
     /// follow v.
     Rk4Step,
+    /// A step with contact, stops and friction by this number of sweeps; see
+    /// [`ContactStep`](robot_dynamics_simulation::ContactStep).
+    ContactStep {
+        /// The number of sweeps.
+        sweeps: u16,
+    },
+    /// The first stage of a step with contact: its problem, and the velocity that the sweeps start from.
+    ContactProblem,
+    /// The repeated stage of a step with contact: one sweep.
+    ContactSweep,
+    /// The last stage of a step with contact: the state after it.
+    ContactEnd,
     /// `world_from_frame` of all frames.
     FramePoses,
     /// `world_from_frame` of a frame.
@@ -96,7 +111,7 @@ impl DerivativeKind {
 }
 
 impl Function {
-    /// All functions without a frame, without their derivatives and pullbacks.
+    /// All functions without a frame and without contact, without their derivatives and pullbacks.
     pub const PLAIN: [Self; 24] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
@@ -199,7 +214,7 @@ impl Function {
         }
     }
 
-    /// Whether it has derivatives and pullbacks: it is not a derivative or pullback itself.
+    /// Whether it has derivatives and pullbacks: it is no derivative or pullback itself, and has no contact.
     ///
     /// ```
     /// use robot_dynamics_functions::Function;
@@ -212,6 +227,10 @@ impl Function {
                 | Self::ForwardDynamicsDerivatives
                 | Self::InverseDynamicsPullback
                 | Self::ForwardDynamicsPullback
+                | Self::ContactStep { .. }
+                | Self::ContactProblem
+                | Self::ContactSweep
+                | Self::ContactEnd
                 | Self::Derivatives(_)
                 | Self::Pullback(_)
         )
@@ -237,7 +256,12 @@ impl Function {
     pub fn stem(&self) -> String {
         match self.derivative_of() {
             Some((function, kind)) => function.stem() + kind.suffix(),
-            None => self.plain_stem().into(),
+            None => match self {
+                Self::ContactStep { sweeps } if *sweeps != Self::CONTACT_SWEEPS => {
+                    format!("{}_{sweeps}_sweeps", self.plain_stem())
+                }
+                _ => self.plain_stem().into(),
+            },
         }
     }
 
@@ -269,6 +293,10 @@ impl Function {
             Self::JointTorqueRegressor => "joint_torque_regressor",
             Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
             Self::Rk4Step => "rk4_step",
+            Self::ContactStep { .. } => "contact_step",
+            Self::ContactProblem => "contact_problem",
+            Self::ContactSweep => "contact_sweep",
+            Self::ContactEnd => "contact_end",
             Self::FramePoses => "frame_poses",
             Self::FramePose(_) => Self::OF_FRAMES[0],
             Self::FrameJacobian(ReferenceFrame::LocalWorldAligned, _) => Self::OF_FRAMES[1],
@@ -310,6 +338,8 @@ impl Function {
                 | Self::ForwardDynamicsPullback
                 | Self::SemiImplicitEulerStep
                 | Self::Rk4Step
+                | Self::ContactStep { .. }
+                | Self::ContactProblem
         )
     }
 

@@ -41,7 +41,10 @@ mod affine_index;
 mod layout;
 mod loops;
 
-// its sparse derivatives,
+// functions in stages,
+mod stages;
+
+// their sparse derivatives,
 mod jacobian;
 
 // and the text.

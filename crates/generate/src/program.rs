@@ -4,9 +4,11 @@ use robot_dynamics::model::{Model, RandomState, random_state};
 use robot_dynamics_expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, interpret};
 use robot_dynamics_number::SplitMix64;
 
+use crate::layout::Layout;
 use crate::{Function, GenerateError};
 
 pub(crate) use robot_dynamics_functions::Argument;
+use robot_dynamics_functions::FunctionResult;
 
 /// A result, a matrix by rows.
 #[derive(Clone, Debug)]
@@ -39,6 +41,32 @@ pub(crate) struct Program {
     pub(crate) entries: Vec<(usize, usize)>,
     /// The tolerance of results: 0, or the effect of another sine or another order of operations.
     pub(crate) tolerance: f64,
+    /// The stages that compute it, if it is not one expression.
+    pub(crate) stages: Vec<Stage>,
+}
+
+/// A stage of a function, computed a number of times.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    pub(crate) program: Program,
+    pub(crate) layout: Layout,
+    pub(crate) repeats: usize,
+}
+
+/// The tables that stages of a step with contact pass on. Tables of the state have other names, except the
+/// multipliers.
+pub(crate) const PASSED: [&str; 4] = ["problem", "velocity", "velocity_next", "impulses_next"];
+
+impl Stage {
+    /// Whether an argument of this stage comes from another stage.
+    pub(crate) fn is_passed(&self, name: &str) -> bool {
+        PASSED[..2].contains(&name) || (name == "impulses" && self.program.function == Function::ContactSweep)
+    }
+
+    /// Whether a result of this stage goes to another stage.
+    pub(crate) fn is_passed_on(&self, name: &str) -> bool {
+        PASSED.contains(&name)
+    }
 }
 
 /// A state, with the library's results.
@@ -59,14 +87,7 @@ impl Program {
     ) -> Result<Self, GenerateError> {
         let traced = function.trace(model, arithmetic)?;
         let arguments = function.arguments(model);
-        let outcomes: Vec<ProgramResult> = (function.results(model).into_iter())
-            .map(|robot_dynamics_functions::FunctionResult { name, rows, columns, what }| ProgramResult {
-                name: name.into(),
-                rows,
-                columns,
-                what,
-            })
-            .collect();
+        let outcomes = outcomes(function, model);
         let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
         for inputs in random_arguments(function, model, arithmetic, states) {
             if let Some(expected) = function.derivatives_by_dual_numbers(model, &inputs)? {
@@ -107,6 +128,7 @@ impl Program {
             cases,
             entries,
             tolerance,
+            stages: Vec::new(),
         };
         program.check_finite(model)?;
         Ok(program)
@@ -128,6 +150,9 @@ impl Program {
     /// Operations by kind.
     pub(crate) fn counts(&self) -> OperationCounts {
         let mut counts = OperationCounts::default();
+        for stage in &self.stages {
+            counts.add(stage.program.counts(), stage.repeats);
+        }
         for &node in &self.plan.order {
             let count = match self.graph.nodes[node] {
                 Operation::Sum(..) | Operation::Difference(..) => &mut counts.additions,
@@ -157,6 +182,18 @@ pub(crate) struct OperationCounts {
     pub(crate) sines: usize,
 }
 
+impl OperationCounts {
+    /// Adds the operations of a stage.
+    fn add(&mut self, other: Self, repeats: usize) {
+        self.additions += other.additions * repeats;
+        self.multiplications += other.multiplications * repeats;
+        self.fused += other.fused * repeats;
+        self.divisions += other.divisions * repeats;
+        self.roots += other.roots * repeats;
+        self.sines += other.sines * repeats;
+    }
+}
+
 /// Whether derivatives differ by rounding alone: by the bounds of the operations, and by 16 nv roundings of
 /// the function's largest value. The library works in other frames, in which a number that is zero here is a
 /// sum of such values.
@@ -182,19 +219,33 @@ fn is_within(
 
 /// The effect of another sine's last digit, or of another order of operations: ten times the effect here, and
 /// some roundings.
-fn uncertainty(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+pub(crate) fn uncertainty(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     let epsilon = arithmetic.precision.epsilon();
     let pairs = results.iter().flatten().zip(other.iter().flatten());
     pairs.fold(0.0_f64, |most, (x, y)| most.max(10.0 * (x - y).abs() + 16.0 * epsilon * x.abs()))
 }
 
+/// The results of a function.
+pub(crate) fn outcomes(function: &Function, model: &Model) -> Vec<ProgramResult> {
+    let result = |FunctionResult { name, rows, columns, what }| ProgramResult {
+        name: String::from(name),
+        rows,
+        columns,
+        what,
+    };
+    function.results(model).into_iter().map(result).collect()
+}
+
 /// Arguments of random states, rounded to the arithmetic's precision, the same in each call.
-fn random_arguments(
+pub(crate) fn random_arguments(
     function: &Function,
     model: &Model,
     arithmetic: Arithmetic,
     states: usize,
 ) -> Vec<Vec<Vec<f64>>> {
+    if matches!(function, Function::ContactSweep | Function::ContactEnd) {
+        return arguments_of_stage(function, model, arithmetic, states);
+    }
     let mut random = SplitMix64::new(2026);
     let mut state = || {
         let RandomState { q, v, a, tau } = random_state(model, &mut random);
@@ -209,6 +260,7 @@ fn random_arguments(
             "a" => a.clone(),
             "tau" => tau.clone(),
             "h" => h.clone(),
+            "friction" | "impulses" => (0..argument.length).map(|_| random.uniform(0.0, 1.0)).collect(),
             _ if !is_of_derivatives => cotangent.clone(),
             _ => (0..argument.length).map(|_| random.uniform(-1.0, 1.0)).collect(),
         };
@@ -216,6 +268,31 @@ fn random_arguments(
         arguments.iter().map(|argument| rounded(named(argument))).collect()
     };
     (0..states).map(|_| state()).collect()
+}
+
+/// Arguments of a later stage of a step with contact: the results of the first stage in random states.
+fn arguments_of_stage(
+    function: &Function,
+    model: &Model,
+    arithmetic: Arithmetic,
+    states: usize,
+) -> Vec<Vec<Vec<f64>>> {
+    let first = Function::ContactProblem;
+    let names: Vec<&str> = first.arguments(model).iter().map(|argument| argument.name).collect();
+    let of_state = |arguments: Vec<Vec<f64>>| {
+        // A robot without this function is rejected when it is traced.
+        let results = first.compute(model, &arguments).unwrap_or_default();
+        let named = |argument: Argument| match argument.name {
+            "problem" => results.first().cloned().unwrap_or_default(),
+            "velocity" => results.get(1).cloned().unwrap_or_default(),
+            name => {
+                names.iter().position(|other| *other == name).map_or(Vec::new(), |k| arguments[k].clone())
+            }
+        };
+        let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
+        function.arguments(model).into_iter().map(|argument| rounded(named(argument))).collect()
+    };
+    random_arguments(&first, model, arithmetic, states).into_iter().map(of_state).collect()
 }
 
 #[cfg(test)]

@@ -4,11 +4,14 @@ mod c;
 mod casadi;
 mod context;
 mod cuda;
+mod cuda_kernel;
+mod cuda_stages;
 mod lanes;
 mod placement;
 mod rust;
 mod sine;
 mod wgsl;
+mod wgsl_stages;
 
 pub(crate) use c::table as c_table;
 pub(crate) use context::Context;

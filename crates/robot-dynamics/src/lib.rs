@@ -191,12 +191,12 @@ pub mod simulation {
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
         Actuation, ActuationDerivatives, ActuationWorkspace, AffineForces, CallbackError, ConstantTorque,
-        Controller, ControllerError, Delayed, DivergenceCause, Event, EventOccurrence, FluidForces,
-        FluidWorkspace, GravityAt, GravityCompensatedPd, ImplicitGains, ImplicitIntegrator,
-        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
-        SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace,
-        StepWorkspace, Stepper, Trajectory, WithImplicitGains, ZeroTorque, energy_account, record_step, step,
-        step_stages, steps_in,
+        ContactStep, ContactStepInputs, Controller, ControllerError, Delayed, DivergenceCause, Event,
+        EventOccurrence, FluidForces, FluidWorkspace, GravityAt, GravityCompensatedPd, ImplicitGains,
+        ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure,
+        Sample, SensorInputs, SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo,
+        StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, WithImplicitGains, ZeroTorque,
+        energy_account, record_step, step, step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{

@@ -55,6 +55,7 @@ pub use contact::{
 };
 pub use fluid::{FluidForces, FluidWorkspace};
 pub use motion::RobotState;
+pub use motion::contact_step::{ContactStep, ContactStepInputs};
 pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};

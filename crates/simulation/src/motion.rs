@@ -8,6 +8,7 @@
 //! Cost: one to four evaluations of forward dynamics, O(n), for an explicit step. Explicit steps diverge if h
 //! exceeds about 2.8 times the shortest time constant. Source: HLW; each file names its own.
 
+pub mod contact_step;
 pub mod implicit;
 pub mod integrate;
 pub mod linearize_step;

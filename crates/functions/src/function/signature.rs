@@ -2,81 +2,11 @@
 
 use robot_dynamics_core::{Model, ReferenceFrame};
 
+use super::size::{Matrix, Size};
 use super::{DerivativeKind, Function};
-
-/// The size of an argument or of a result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Size {
-    Nq,
-    Nv,
-    One,
-    Fixed(usize),
-    /// Ten numbers for each moving link.
-    Parameters,
-    /// The entries of M on and above the diagonal that are not always zero.
-    Related,
-    /// 2 nv.
-    TwoNv,
-    /// nv².
-    Square,
-    /// 6 nv.
-    Jacobian,
-    /// 3 nv.
-    CenterJacobian,
-    /// Twelve numbers for each frame.
-    Poses,
-    /// Ten numbers for each moving link and degree of freedom.
-    Regressor,
-}
-
-impl Size {
-    pub(crate) fn of(self, model: &Model) -> usize {
-        match self {
-            Self::Nq => model.nq(),
-            Self::Nv => model.nv(),
-            Self::One => 1,
-            Self::Fixed(count) => count,
-            Self::Parameters => robot_dynamics_core::inertial_parameters(model).len(),
-            Self::Related => robot_dynamics_core::mass_matrix_related_entries(model).len(),
-            Self::TwoNv => 2 * model.nv(),
-            Self::Square => model.nv() * model.nv(),
-            Self::Jacobian => 6 * model.nv(),
-            Self::CenterJacobian => 3 * model.nv(),
-            Self::Poses => 12 * model.frames().len(),
-            Self::Regressor => model.nv() * Self::Parameters.of(model),
-        }
-    }
-
-    /// The size of a change: a configuration changes along displacements.
-    fn of_changes(self) -> Self {
-        if self == Self::Nq { Self::Nv } else { self }
-    }
-
-    /// The size of the changes of all results, one result after the other, matrices by rows.
-    pub(crate) fn of_all_changes(results: &[Matrix]) -> Self {
-        let flat = |&(_, rows, columns, _): &Matrix| match (rows, columns) {
-            (rows, Self::One) => rows.of_changes(),
-            (Self::Nv, Self::Nv) => Self::Square,
-            (Self::Fixed(6), Self::Nv) => Self::Jacobian,
-            (Self::Fixed(3), Self::Nv) => Self::CenterJacobian,
-            (Self::Nv, Self::Parameters) => Self::Regressor,
-            (Self::Fixed(rows), Self::Fixed(columns)) => Self::Fixed(rows * columns),
-            (rows, columns) => unreachable!("no result has {rows:?} rows and {columns:?} columns"),
-        };
-        match results.iter().map(flat).collect::<Vec<_>>()[..] {
-            [one] => one,
-            [Self::Nv, Self::Nv] => Self::TwoNv,
-            [Self::Fixed(one), Self::Fixed(other)] => Self::Fixed(one + other),
-            ref sizes => unreachable!("no differentiable function has results of {sizes:?}"),
-        }
-    }
-}
 
 /// An argument: its name, its size, its unit.
 pub(crate) type ArgumentRow = (&'static str, Size, &'static str);
-
-/// A result: its name, its rows and columns (row-major), its meaning.
-pub(crate) type Matrix = (&'static str, Size, Size, &'static str);
 
 /// An argument of a function of one robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +38,11 @@ const V: ArgumentRow = ("v", Size::Nv, "velocity [rad/s, m/s]");
 const A: ArgumentRow = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
 const TAU: ArgumentRow = ("tau", Size::Nv, "generalized force [N·m, N]");
 const H: ArgumentRow = ("h", Size::One, "the step [s]");
+const FRICTION: ArgumentRow = ("friction", Size::One, "coefficient of friction of the ground");
+const IMPULSES: ArgumentRow =
+    ("impulses", Size::Impulses, "multipliers that the sweeps start from [N·s; of joints N·m·s or N·s]");
+const PROBLEM: ArgumentRow = ("problem", Size::Problem, "the table of contact_problem");
+const SCALED: ArgumentRow = ("velocity", Size::Nv, "sqrt(D) L v, where M + h damping = L^T D L");
 const COTANGENT: ArgumentRow = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
 
 const fn vector(name: &'static str, what: &'static str) -> Matrix {
@@ -147,6 +82,9 @@ const NEXT_STATE: &[Matrix] = &[
     ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
     vector("v_next", "after the step"),
 ];
+
+const NEXT_IMPULSES: Matrix =
+    ("impulses_next", Size::Impulses, Size::One, "of contacts along z, x, y [N·s]; of joints [N·m·s or N·s]");
 
 const JACOBIAN: &[Matrix] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
 
@@ -205,6 +143,14 @@ impl Function {
             Self::Rk4Step => {
                 "from (q, v) over h by the classical Runge-Kutta method, tau held; a(q, v, tau - b(v)), b damping and friction"
             }
+            Self::ContactStep { .. } => {
+                "(M + h D)(v_next - v) = h (tau - C v - g - D v) + J^T p, q_next = q moved along h v_next; D damping, p of contacts, stops and friction by projected Gauss-Seidel sweeps"
+            }
+            Self::ContactProblem => {
+                "the rows and bounds of a step with contact, and its velocity before the sweeps"
+            }
+            Self::ContactSweep => "one projected Gauss-Seidel sweep of a step with contact",
+            Self::ContactEnd => "v_next = L^-1 D^-1/2 velocity, q_next = q moved along h v_next",
             Self::FramePoses => "world_from_frame of all frames: x_world = R x_frame + p",
             Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
             Self::FrameJacobian(ReferenceFrame::LocalWorldAligned, _) => {
@@ -284,6 +230,9 @@ impl Function {
             Self::InverseDynamicsPullback => &[Q, V, A, COTANGENT],
             Self::ForwardDynamicsPullback => &[Q, V, TAU, COTANGENT],
             Self::SemiImplicitEulerStep | Self::Rk4Step => &[Q, V, TAU, H],
+            Self::ContactStep { .. } | Self::ContactProblem => &[Q, V, TAU, H, FRICTION, IMPULSES],
+            Self::ContactSweep => &[PROBLEM, SCALED, IMPULSES],
+            Self::ContactEnd => &[PROBLEM, SCALED, Q, H],
             Self::Bias
             | Self::VelocityProduct
             | Self::CoriolisMatrix
@@ -358,7 +307,15 @@ impl Function {
                 Size::Parameters,
                 "columns: for each moving link m, h (3), I about its origin (xx xy yy xz yz zz)",
             )],
-            Self::SemiImplicitEulerStep | Self::Rk4Step => NEXT_STATE,
+            Self::SemiImplicitEulerStep | Self::Rk4Step | Self::ContactEnd => NEXT_STATE,
+            Self::ContactStep { .. } => const { &[NEXT_STATE[0], NEXT_STATE[1], NEXT_IMPULSES] },
+            Self::ContactProblem => &[
+                ("problem", Size::Problem, Size::One, "rows and bounds"),
+                ("velocity", Size::Nv, Size::One, "sqrt(D) L v with the initial multipliers"),
+            ],
+            Self::ContactSweep => {
+                const { &[("velocity_next", Size::Nv, Size::One, "after the sweep"), NEXT_IMPULSES] }
+            }
             Self::FramePoses => &[("poses", Size::Poses, Size::One, "for each frame R by rows, then p [m]")],
             Self::FramePose(_) => &[
                 ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),

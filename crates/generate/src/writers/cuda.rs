@@ -6,12 +6,11 @@ use robot_dynamics_expression::{Precision, Sine};
 
 use super::c::{comment, table};
 use super::context::Context;
+use super::cuda_kernel::kernel;
+use super::cuda_stages::staged_kernel;
 use super::sine::sine_statements;
-use crate::affine_index::AffineIndex;
-use crate::body::{Body, every_number};
 use crate::generated_files::GeneratedFile;
 use crate::heading::{about, first_line, lines};
-use crate::layout::Layout;
 use crate::program::Program;
 use crate::syntax::{Helpers, Language, Syntax};
 
@@ -43,7 +42,11 @@ fn source(context: &Context<'_>) -> String {
     for (program, layout) in context.functions() {
         text += "\n";
         text += &comment(&about(program));
-        text += &kernel(syntax, program, layout);
+        text += &if program.stages.is_empty() {
+            kernel(syntax, program, layout)
+        } else {
+            staged_kernel(syntax, program)
+        };
     }
     text
 }
@@ -79,60 +82,6 @@ fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
         "\nstatic __device__ struct {prefix}pair {prefix}sin_cos({number} x) {{\n    struct {prefix}pair pair;\n{statements}    return pair;\n}}\n"
     );
     text
-}
-
-/// The parts of a function, which access numbers with stride `s`, and the kernel that calls them.
-fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
-    let number = syntax.number();
-    let name = format!("{}{}", syntax.prefix, program.symbol);
-    let arguments = program.arguments.iter().map(|x| (x.name, x.length));
-    let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
-    let constants = arguments.clone().map(|(x, _)| format!("const {number} *__restrict__ {x}"));
-    let whole: Vec<String> =
-        constants.chain(outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"))).collect();
-    let whole = whole.join(", ");
-    let all: Vec<(&str, usize)> = arguments.chain(outcomes).collect();
-    let input =
-        |argument: usize, index: AffineIndex| format!("{}[{index} * s]", program.arguments[argument].name);
-    let store = |result: usize, index: AffineIndex, text: &str| {
-        format!("{}[{index} * s] = {text};", program.outcomes[result].name)
-    };
-    let clear = |result: usize| {
-        let outcome = &program.outcomes[result];
-        format!("for (int i = 0; i < {}; i++) {}[i * s] = 0;", outcome.length(), outcome.name)
-    };
-    let (graph, results, place) = (&program.graph, &program.results, &every_number);
-    let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    let (scratch, pass) = if layout.array_length > 0 {
-        (format!(", {number} *__restrict__ w"), ", w")
-    } else {
-        (String::new(), "")
-    };
-    let mut text = String::new();
-    for part in 0..layout.parts.len() {
-        let _ = write!(
-            text,
-            "static __device__ __noinline__ void {name}_{part}({whole}, const size_t s{scratch}) {{\n{}}}\n\n",
-            body.part(part, "    ")
-        );
-    }
-    let _ = write!(
-        text,
-        "extern \"C\" __global__ void {name}({whole}, const int count, const int by_columns) {{\n    \
-         const int state = blockIdx.x * blockDim.x + threadIdx.x;\n    if (state >= count) {{\n        return;\n    }}\n    \
-         const size_t s = by_columns ? count : 1;\n"
-    );
-    for (x, length) in &all {
-        let _ = writeln!(text, "    {x} += (size_t)state * (by_columns ? 1 : {length});");
-    }
-    if layout.array_length > 0 {
-        let _ = writeln!(text, "    {number} w[{}];", layout.array_length);
-    }
-    let names: Vec<&str> = all.iter().map(|(x, _)| *x).collect();
-    for part in 0..layout.parts.len() {
-        let _ = writeln!(text, "    {name}_{part}({}, s{pass});", names.join(", "));
-    }
-    text + "}\n"
 }
 
 fn test(context: &Context<'_>) -> String {

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::context::Context;
 use super::sine::sine_statements;
+use super::wgsl_stages::{staged_calls, staged_parts};
 use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
 use crate::generated_files::GeneratedFile;
@@ -26,7 +27,9 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
 
 fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     let syntax = Syntax { language: Language::Wgsl, arithmetic: context.arithmetic(), prefix: "" };
-    let helpers = Helpers::of([(&program.graph, &program.plan)].into_iter(), context.arithmetic());
+    let stages = program.stages.iter().map(|stage| &stage.program);
+    let expressions = stages.chain([program]).map(|one| (&one.graph, &one.plan));
+    let helpers = Helpers::of(expressions, context.arithmetic());
     let mut text = commented("//", &lines(context.model, context.request));
     text += "//\n";
     text += &commented("//", &about(program));
@@ -48,7 +51,11 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     if helpers.sine {
         text += &sine_function(syntax);
     }
-    text += &parts(syntax, program, layout);
+    text += &if program.stages.is_empty() {
+        parts(syntax, program, layout)
+    } else {
+        staged_parts(syntax, program)
+    };
     let first = &program.arguments[0];
     let _ = write!(
         text,
@@ -56,8 +63,12 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
          let state = id.x;\n    if (state >= arrayLength(&{}) / {}u) {{\n        return;\n    }}\n",
         first.name, first.length
     );
-    for part in 0..layout.parts.len() {
-        let _ = writeln!(text, "    part_{part}(state);");
+    if program.stages.is_empty() {
+        for part in 0..layout.parts.len() {
+            let _ = writeln!(text, "    part_{part}(state);");
+        }
+    } else {
+        text += &staged_calls(program);
     }
     text + "}\n"
 }

@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use robot_dynamics::algorithms::ReferenceFrame;
+use robot_dynamics::description::Shape;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::{
     Arithmetic, Function, GenerateError, Precision, Request, Sine, Target, generate,
@@ -105,6 +106,27 @@ fn every_function_has_the_bits_of_the_library_without_undefined_behaviour() {
     {
         let output = test(name, &model, robots::functions(&model), arithmetic, options);
         assert_eq!(output, summary(28, true));
+    }
+}
+
+/// A step with contact as one expression, and its stages.
+#[test]
+fn a_step_with_contact_has_the_bits_of_the_library() {
+    let mut functions = Function::OF_CONTACT.to_vec();
+    functions.push(Function::ContactStep { sweeps: 3 });
+    let output = test("c_contact", &robots::on_ground(), functions, Arithmetic::default(), &SANITIZED);
+    assert_eq!(output, summary(5, true));
+}
+
+/// A robot whose contacts are unsupported has no such function, and the error names the shape.
+#[test]
+fn a_mesh_on_the_ground_is_refused() {
+    let mut robot = robots::on_ground().description().clone();
+    robot.shapes[0].shape = Shape::mesh("sole.stl");
+    for target in [Target::C, Target::Cuda] {
+        let request = Request::new(target, vec![Function::OF_CONTACT[0].clone()]);
+        let error = generate(&Model::new(robot.clone()).unwrap(), &request).unwrap_err().to_string();
+        assert!(error.contains(&robot.shapes[0].link) && error.contains("remove or replace"), "{error}");
     }
 }
 

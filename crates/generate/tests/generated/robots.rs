@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use robot_dynamics::description::{Base, JointKind, RandomRobotOptions, random_robot};
+use robot_dynamics::description::{
+    Base, JointKind, Limits, LinkShape, Pose, RandomRobotOptions, Shape, ShapeRole, random_robot,
+};
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::Function;
 
@@ -29,6 +31,27 @@ pub(crate) fn random() -> Model {
     let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
     let mut models = (0..1000).map(|seed| Model::new(random_robot(seed, &options)).unwrap());
     models.find(has_ball).unwrap()
+}
+
+/// A floating body with an arm of two joints, with damping, friction and stops; its shapes touch the ground.
+pub(crate) fn on_ground() -> Model {
+    let options = RandomRobotOptions { joints: 2, base: Base::Floating, passive: 1.0, ..Default::default() };
+    let mut robot = random_robot(3, &options);
+    let shapes = [
+        Shape::Sphere { radius: 0.3 },
+        Shape::Cylinder { radius: 0.2, length: 0.3 },
+        Shape::Ellipsoid { half_axes: [0.1, 0.2, 0.4] },
+    ];
+    let links = robot.links.iter().map(|link| link.name.clone());
+    robot.shapes = links
+        .zip(shapes)
+        .map(|(link, shape)| LinkShape::new(link, ShapeRole::Collision, Pose::IDENTITY, shape))
+        .collect();
+    for joint in &mut robot.joints {
+        joint.kind = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+        joint.limits = Limits::new(-0.5, 0.8);
+    }
+    Model::new(robot).unwrap()
 }
 
 fn path(file: &str) -> PathBuf {

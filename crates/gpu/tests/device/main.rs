@@ -6,6 +6,7 @@
 
 mod bad_states;
 mod bounds;
+mod contact;
 mod doubles;
 mod errors;
 mod functions;

@@ -12,6 +12,7 @@ mod ball_stops;
 mod closed_forms;
 mod components;
 mod contact;
+mod contact_step;
 mod controllers;
 mod divergence;
 mod equalities;
