@@ -145,6 +145,8 @@ ARGUMENTS = {
     "sensors": "Sequence[tuple[str, str, str | None, str | None]]",
     "row": "str",
     "which": "Sequence[int] | None",
+    "variants": "Sequence[tuple[Robot, object]]",
+    "delays": "Sequence[int]",
     "pose": "str | None",
     "axes": "str",
     "force": "_Three",
@@ -305,6 +307,8 @@ OF_CALL = {
     ("_with_actuated_joints", "joints"): "Sequence[str]",
     ("_with_wrenches", "frames"): "Sequence[str | int]",
     ("_with_wrenches", "out"): "NDArray[Any] | tuple[NDArray[Any], ...] | None",
+    ("_set_gains", "limits"): "Numbers",
+    ("_set_wrenches", "frames"): "Sequence[str]",
     ("_reset", "q"): "Numbers | None",
     ("_reset", "v"): "Numbers | None",
 }
@@ -416,6 +420,9 @@ RETURNS = {
     # Several arrays are a named tuple.
     "_with_wrenches": "Any",
     "_apply_wrench": "None",
+    "_contact_forces": "_Array",
+    "_set_gains": "None",
+    "_set_wrenches": "None",
     "_contacts": (
         "list[tuple[str, str, str | None, str, int | None, _Array, _Array, float, _Array, _Array]]"
     ),
@@ -473,6 +480,7 @@ RETURNS = {
 # Results of methods whose name another class has, too.
 RETURNS_OF = {
     ("Admittance", "step"): "tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]",
+    ("SimulationBatch", "_sensors"): "_Array",
     ("SimulationBatch", "_step"): "None",
 }
 
@@ -535,6 +543,7 @@ SETTERS = {
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",
     ("SimulationBatch", "controls"): "Numbers",
+    ("SimulationBatch", "targets"): "Numbers",
     ("SimulationBatch", "torques"): "Numbers",
 }
 

@@ -3850,15 +3850,29 @@ class Simulation:
 class SimulationBatch:
     """The native half of `robot_dynamics.SimulationBatch`."""
     def __len__(self, /) -> int: ...
-    def __new__(cls, robot: Robot, count: int, threads: int | None, **options: object) -> Self: ...
+    def __new__(cls, robot: Robot, count: int, threads: int | None, variants: Sequence[tuple[Robot, object]], **options: object) -> Self: ...
+    def _contact_forces(self, names: Sequence[str]) -> _Array:
+        """See `contact_forces`."""
     def _copy(self, number: int) -> Simulation:
         """A copy of one simulation, with its state and inputs."""
     def _reset(self, q: Numbers | None, v: Numbers | None, which: Sequence[int] | None) -> None:
         """See `reset`."""
+    def _sensors(self) -> _Array:
+        """See `sensors`."""
+    def _set_gains(self, stiffness: Numbers, damping: Numbers, limits: Numbers, delays: Sequence[int]) -> None:
+        """See `set_position_control`."""
     def _set_state(self, q: Numbers, v: Numbers, which: Sequence[int] | None) -> None:
         """See `set_state`."""
+    def _set_wrenches(self, frames: Sequence[str], wrenches: Numbers, axes: str) -> None:
+        """See `set_wrenches`."""
     def _step(self, count: int, which: Sequence[int] | None) -> None:
         """See `step`."""
+    @property
+    def acceleration(self) -> NDArray[np.float64]:
+        """The mean accelerations of the last step (count, nv) [rad/s² or m/s²]."""
+    @property
+    def applied_torques(self) -> NDArray[np.float64]:
+        """The torques that acted in the last step, within the effort limits (count, nv) [N·m or N]."""
     @property
     def control_names(self) -> tuple[str, ...]:
         """The names of the actuators that act, in the order of `controls`."""
@@ -3877,7 +3891,14 @@ class SimulationBatch:
         """The configurations (count, nq), a copy."""
     @property
     def robot(self) -> Robot:
-        """The robot."""
+        """The robot, of the first simulation if they differ."""
+    @property
+    def targets(self) -> NDArray[np.float64]:
+        """The targets of the position control (count, nv), held until they are set again; (nv,) sets those of
+        all [rad or m]. See `set_position_control`.
+        """
+    @targets.setter
+    def targets(self, value: Numbers) -> None: ...
     @property
     def times(self) -> list[float]:
         """The times (count,) [s]."""

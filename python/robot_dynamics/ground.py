@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot_dynamics.numbers import Numbers
 
@@ -57,6 +58,49 @@ class HeightField(NamedTuple):
     """Friction coefficient μ of all contacts; `None` for the values of the shapes."""
     restitution: float = 0.0
     """Fraction of its normal speed with which a body rebounds."""
+
+    def height(self, x: Numbers, y: Numbers) -> NDArray[np.float64]:
+        """Heights of the ground at points of the world; NaN outside the rectangle.
+
+        Parameters
+        ----------
+        x : array_like, shape (...)
+            Coordinates along x [m].
+        y : array_like, shape (...)
+            Coordinates along y [m].
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Heights in the world [m].
+
+        Raises
+        ------
+        ValueError
+            The heights of this field do not have the shape (rows, columns), or `x` and `y` do not fit
+            together.
+
+        Examples
+        --------
+        >>> slope = rd.HeightField([[0.0, 1.0]] * 2, half_size=(2.0, 1.0))
+        >>> slope.height([-2.0, 0.0, 1.0, 3.0], 0.5)
+        array([0.  , 0.5 , 0.75,  nan])
+        """
+        heights = np.asarray(self.heights, np.float64)
+        rows, columns = heights.shape
+        column = (np.asarray(x, np.float64) - self.position[0] + self.half_size[0]) / (2.0 * self.half_size[0]) * (columns - 1)
+        row = (np.asarray(y, np.float64) - self.position[1] + self.half_size[1]) / (2.0 * self.half_size[1]) * (rows - 1)
+        row, column = np.broadcast_arrays(row, column)
+        is_inside = (row >= 0.0) & (row <= rows - 1) & (column >= 0.0) & (column <= columns - 1)
+        i = np.clip(np.nan_to_num(row), 0, rows - 2).astype(np.intp)
+        j = np.clip(np.nan_to_num(column), 0, columns - 2).astype(np.intp)
+        up, along = row - i, column - j
+        low, high = heights[i, j], heights[i + 1, j + 1]
+        # Each cell has two triangles, on both sides of its diagonal.
+        below = low + along * (heights[i, j + 1] - low) + up * (high - heights[i, j + 1])
+        above = low + up * (heights[i + 1, j] - low) + along * (high - heights[i + 1, j])
+        result: NDArray[np.float64] = np.where(is_inside, self.position[2] + np.where(along >= up, below, above), np.nan)
+        return result
 
 
 AnyGround: TypeAlias = Ground | HeightField | Literal["file"]

@@ -159,7 +159,7 @@ def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
 
     Parameters
     ----------
-    name : {"two_r", "ur5", "panda", "quadruped", "humanoid"}
+    name : {"two_r", "ur5", "panda", "quadruped", "humanoid", "gripper_and_box"}
         Name of the robot.
     floating_base : bool
         Whether the root link is free: six more degrees of freedom, seven more numbers in q.

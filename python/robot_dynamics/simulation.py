@@ -294,6 +294,7 @@ class SimulationBatch(_native.SimulationBatch):
         ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
         only_contacts: Sequence[tuple[str, str]] | None = None,
         threads: int | None = None,
+        variants: Sequence[tuple[Robot, AnyGround | None]] = (),
     ) -> Self:
         """Create simulations of a robot at rest in its initial configuration.
 
@@ -331,6 +332,10 @@ class SimulationBatch(_native.SimulationBatch):
             Pairs of links that may touch; others touch only the ground. Default: all pairs.
         threads : int, optional
             Threads for a batch; default: `num_threads()`.
+        variants : sequence of (Robot, Ground or HeightField or "file" or None), optional
+            Robots with the same joints and actuators, which may differ in other properties such as masses,
+            and their grounds. Simulation k has variant k modulo their number. They replace `robot` and
+            `ground`.
 
         Returns
         -------
@@ -341,6 +346,8 @@ class SimulationBatch(_native.SimulationBatch):
         ------
         SimulationError
             The integrator or the step is invalid.
+        SimulationInputError
+            Two variants differ in their joints or actuators.
         ValueError
             An option is invalid, or a link does not exist.
         """
@@ -358,7 +365,13 @@ class SimulationBatch(_native.SimulationBatch):
             ignore_contacts=ignore_contacts,
             only_contacts=only_contacts,
         )
-        return super().__new__(cls, robot, count, threads, **options)
+        kinds = [(own, grounds.native(below)) for own, below in variants]
+        return super().__new__(cls, robot, count, threads, kinds, **options)
+
+    if TYPE_CHECKING:
+
+        @property
+        def robot(self) -> Robot: ...
 
     def step(self, count: int = 1, *, where: Where | None = None) -> None:
         """Take steps of all or of selected simulations, on all threads.
@@ -438,6 +451,133 @@ class SimulationBatch(_native.SimulationBatch):
         ([0.1, 0.2], 0.005)
         """
         self._set_state(q, v, None if where is None else self._numbers(where))
+
+    def set_position_control(
+        self,
+        stiffness: Numbers,
+        damping: Numbers,
+        *,
+        limits: Numbers = np.inf,
+        delay: int | Sequence[int] | NDArray[np.int64] = 0,
+    ) -> None:
+        """Control the positions of joints towards `targets`, with torques that each step evaluates again.
+
+        Each step begins with τ = stiffness (target − q) − damping v, cut off at ±limits. This is added to
+        `torques`, and the effort limits of the robot act on the sum. A restart by `reset` makes the
+        configuration the target.
+
+        Parameters
+        ----------
+        stiffness : float or array_like, shape (simulations, nv) or (nv,)
+            Stiffness [N·m/rad or N/m]. It must be 0 for degrees of freedom of joints that have several, such
+            as a floating base; a single number applies to all others.
+        damping : float or array_like, shape (simulations, nv) or (nv,)
+            Damping [N·m·s/rad or N·s/m]; as `stiffness`.
+        limits : float or array_like, shape (simulations, nv) or (nv,)
+            Largest torques of this control [N·m or N]; default: infinite.
+        delay : int or sequence of int, shape (simulations,)
+            Steps after which new targets act; until then the targets before them act. It is at most the
+            number of steps between two assignments of `targets`.
+
+        Raises
+        ------
+        SimulationInputError
+            A gain or a limit is invalid.
+        ShapeError
+            An array has the wrong shape.
+
+        Examples
+        --------
+        >>> batch = rd.SimulationBatch(rd.example("two_r"), 2, conservative=True)
+        >>> batch.set_position_control(stiffness=200.0, damping=[40.0, 20.0])
+        >>> batch.targets = [[0.5, 0.2], [-0.5, 0.1]]
+        >>> batch.step(5000)
+        >>> sag = (batch.targets - batch.q) * 200.0  # at rest the springs carry the weight
+        >>> np.allclose(sag, batch.robot.gravity(batch.q), atol=1e-6)
+        True
+        """
+        moved = np.zeros(self.robot.nv)
+        for joint in self.robot.joints:
+            if joint.v.stop - joint.v.start == 1:
+                moved[joint.v] = 1.0
+        given = [np.asarray(table, np.float64) for table in (stiffness, damping)]
+        tables = [moved * table if table.ndim == 0 else table for table in given]
+        most = np.asarray(limits, np.float64)
+        if most.ndim == 0:
+            most = np.full(self.robot.nv, most)
+        delays = np.broadcast_to(np.asarray(delay), len(self))
+        if delays.dtype.kind not in "iu" or (delays < 0).any():
+            raise ValueError(f"delay is {delay!r}; it must be whole numbers of steps, at least 0")
+        self._set_gains(tables[0], tables[1], most, delays.tolist())
+
+    def set_wrenches(
+        self,
+        wrenches: Mapping[str, Numbers],
+        axes: Literal["local", "world", "local_world_aligned"] = "local_world_aligned",
+    ) -> None:
+        """Set the forces and moments on frames, which replace earlier ones and are held until they are set
+        again.
+
+        Parameters
+        ----------
+        wrenches : mapping of str to array_like, shape (simulations, 6) or (6,)
+            Force [N], then moment [N·m], on the link that carries each frame.
+        axes : {"local_world_aligned", "local", "world"}
+            Axes and reference point; see `Simulation.apply_wrench`.
+
+        Raises
+        ------
+        FrameError
+            A frame does not exist.
+        ShapeError
+            An array has the wrong shape.
+        ValueError
+            `axes` is invalid.
+        """
+        table = [np.broadcast_to(np.asarray(wrench, np.float64), (len(self), 6)) for wrench in wrenches.values()]
+        self._set_wrenches(list(wrenches), np.concatenate([np.empty((len(self), 0)), *table], axis=1), axes)
+
+    def contact_forces(self, links: Sequence[str]) -> NDArray[np.float64]:
+        """Sum of the contact forces on links at the end of the last step, along the world's axes.
+
+        Parameters
+        ----------
+        links : sequence of str
+            Names of links, as in `Simulation.contacts`.
+
+        Returns
+        -------
+        ndarray, shape (simulations, links, 3)
+            Forces of the grounds and of other links [N].
+
+        Raises
+        ------
+        ValueError
+            A link does not exist.
+
+        Examples
+        --------
+        >>> dog = rd.example("quadruped", floating_base=True)
+        >>> batch = rd.SimulationBatch(dog, 2, ground=rd.Ground(), integrator="mujoco")
+        >>> batch.reset([0, 0, 0.35, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4])
+        >>> batch.step(500)
+        >>> feet = [name for name in dog.link_names if name.endswith("foot")]
+        >>> batch.contact_forces(feet).shape
+        (2, 4, 3)
+        """
+        unknown = [link for link in links if link not in self.robot.link_names]
+        if unknown:
+            raise ValueError(f"robot `{self.robot.name}` has no link {unknown[0]!r}; it has {', '.join(self.robot.link_names)}")
+        return self._contact_forces(list(links))
+
+    @property
+    def sensors(self) -> dict[str, NDArray[np.float64]]:
+        """Values of the robot's sensors (simulations, size) by name, at the end of the last step."""
+        values, shown, at = self._sensors(), {}, 0
+        for name, _, size in self.robot._sensors():
+            shown[name] = values[:, at : at + size]
+            at += size
+        return shown
 
     def __getitem__(self, number: int) -> Simulation:
         """Copy of one simulation, with its state and inputs.

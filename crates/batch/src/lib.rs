@@ -76,6 +76,6 @@ pub use rollout::{
     RolloutStates, StepperRollout, Torques, UNOBSERVED, rollout, rollout_by_stepper, rollout_pullback,
     rollout_pullback_by_stepper,
 };
-pub use simulations::SimulationBatch;
+pub use simulations::{PositionControl, SimulationBatch};
 pub use threads::{ThreadError, Threads};
 pub use workspace::{BatchOptions, BatchWorkspace};

@@ -51,12 +51,13 @@ pub struct Robot {
 }
 
 /// Robots that come with the package; `build.rs` copies their files.
-const EXAMPLES: [(&str, &str); 5] = [
+const EXAMPLES: [(&str, &str); 6] = [
     ("two_r", include_str!(concat!(env!("OUT_DIR"), "/two_r.urdf"))),
     ("ur5", include_str!(concat!(env!("OUT_DIR"), "/ur5.urdf"))),
     ("panda", include_str!(concat!(env!("OUT_DIR"), "/panda.urdf"))),
     ("quadruped", include_str!(concat!(env!("OUT_DIR"), "/quadruped.urdf"))),
     ("humanoid", include_str!(concat!(env!("OUT_DIR"), "/humanoid.urdf"))),
+    ("gripper_and_box", include_str!(concat!(env!("OUT_DIR"), "/gripper_and_box.xml"))),
 ];
 
 /// The file of a robot that comes with the package, as text.

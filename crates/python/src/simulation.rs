@@ -1,6 +1,8 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
 pub(crate) mod batch;
+mod batch_measurements;
+mod batch_variants;
 mod contact_fields;
 mod energy_account;
 mod ground;

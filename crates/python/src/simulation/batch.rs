@@ -8,7 +8,8 @@ use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::batch::SimulationBatch as Stepped;
 use robot_dynamics::simulation::{RunError, Simulation as Single};
 
-use super::options::Setup;
+use super::batch_variants::check_alike;
+use super::options::{GroundFields, Setup};
 use super::stepping::Simulation;
 use crate::errors::Class;
 use crate::interrupts::{FEW_STEPS, interruptible};
@@ -20,37 +21,52 @@ use crate::{outcome, threads};
 /// The native half of `robot_dynamics.SimulationBatch`.
 #[pyclass(subclass, module = "robot_dynamics._native")]
 pub(crate) struct SimulationBatch {
-    robot: Py<Robot>,
-    stepped: Stepped,
+    /// The robot of simulation k is that of index k modulo their number.
+    pub(super) robots: Vec<Py<Robot>>,
+    pub(super) stepped: Stepped,
     threads: usize,
 }
 
 #[pymethods]
 impl SimulationBatch {
     #[new]
-    #[pyo3(signature = (robot, count, threads, **options))]
+    #[pyo3(signature = (robot, count, threads, variants, **options))]
     fn new(
         py: Python<'_>,
         robot: Py<Robot>,
         count: usize,
         threads: Option<&Bound<'_, PyAny>>,
+        variants: Vec<(Py<Robot>, Option<GroundFields>)>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let simulation = Setup::of(options)?.build(py, robot.get())?;
+        let mut kinds = Vec::with_capacity(variants.len().max(1));
+        let mut robots = Vec::with_capacity(variants.len().max(1));
+        for (own, ground) in variants {
+            let mut setup = Setup::of(options)?;
+            setup.ground = ground;
+            kinds.push(setup.build(py, own.get())?);
+            robots.push(own);
+        }
+        if kinds.is_empty() {
+            kinds.push(Setup::of(options)?.build(py, robot.get())?);
+            robots.push(robot);
+        }
+        check_alike(py, &kinds)?;
         let threads = threads::count_of(threads)?.unwrap_or_else(threads::default_count);
         let pool = threads::pool(threads)?;
-        let stepped = py.detach(|| Stepped::new(&simulation, count, &pool));
-        Ok(Self { robot, stepped, threads })
+        let stepped =
+            py.detach(|| Stepped::of((0..count).map(|k| kinds[k % kinds.len()].clone()).collect(), &pool));
+        Ok(Self { robots, stepped, threads })
     }
 
     fn __len__(&self) -> usize {
         self.stepped.simulations().len()
     }
 
-    /// The robot.
+    /// The robot, of the first simulation if they differ.
     #[getter]
     fn robot(&self, py: Python<'_>) -> Py<Robot> {
-        self.robot.clone_ref(py)
+        self.robots[0].clone_ref(py)
     }
 
     /// Length of a step [s].
@@ -69,13 +85,13 @@ impl SimulationBatch {
     /// The configurations (count, nq), a copy.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.table(py, self.robot.get().model.nq(), Single::q)
+        self.table(py, self.robots[0].get().model.nq(), Single::q)
     }
 
     /// The velocities (count, nv), a copy.
     #[getter]
     fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.table(py, self.robot.get().model.nv(), Single::v)
+        self.table(py, self.robots[0].get().model.nv(), Single::v)
     }
 
     /// The times (count,) [s].
@@ -88,13 +104,13 @@ impl SimulationBatch {
     /// or N].
     #[setter]
     fn set_torques(&mut self, py: Python<'_>, torques: &Bound<'_, PyAny>) -> PyResult<()> {
-        let width = self.robot.get().model.nv();
+        let width = self.robots[0].get().model.nv();
         self.set_each(py, "torques", torques, width, Single::set_torques)
     }
 
     #[getter]
     fn torques<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.table(py, self.robot.get().model.nv(), Single::torques)
+        self.table(py, self.robots[0].get().model.nv(), Single::torques)
     }
 
     /// The controls of the actuators that act (count, controls), held until they are set again; (controls,)
@@ -154,7 +170,8 @@ impl SimulationBatch {
     /// A copy of one simulation, with its state and inputs.
     fn _copy(&self, py: Python<'_>, number: usize) -> PyResult<Simulation> {
         let simulation = self.stepped.simulations().get(number).ok_or_else(|| self.no_such(number))?;
-        Ok(Simulation::of(self.robot.clone_ref(py), simulation.clone()))
+        let robot = &self.robots[number % self.robots.len()];
+        Ok(Simulation::of(robot.clone_ref(py), simulation.clone()))
     }
 }
 
@@ -166,7 +183,15 @@ struct Places {
 }
 
 impl SimulationBatch {
-    fn control_count(&self) -> usize {
+    /// The number of simulations, at least one.
+    pub(super) fn count(&self) -> PyResult<usize> {
+        match self.stepped.simulations().len() {
+            0 => Err(self.no_such(0)),
+            count => Ok(count),
+        }
+    }
+
+    pub(super) fn control_count(&self) -> usize {
         self.stepped.simulations().first().map_or(0, |simulation| simulation.controls().len())
     }
 
@@ -177,7 +202,7 @@ impl SimulationBatch {
     }
 
     /// A row of numbers of each simulation.
-    fn table<'py>(
+    pub(super) fn table<'py>(
         &self,
         py: Python<'py>,
         width: usize,
@@ -223,7 +248,7 @@ impl SimulationBatch {
         (q, v): (Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
         numbers: Option<Vec<usize>>,
     ) -> PyResult<Places> {
-        let model = &self.robot.get().model;
+        let model = &self.robots[0].get().model;
         let all = self.stepped.simulations().len();
         let numbers = numbers.unwrap_or_else(|| (0..all).collect());
         let which = self.mask(&numbers)?;
@@ -258,7 +283,7 @@ impl SimulationBatch {
 }
 
 /// This many rows, or one for all, one after the other.
-fn rows_of(
+pub(super) fn rows_of(
     py: Python<'_>,
     name: &str,
     object: &Bound<'_, PyAny>,
