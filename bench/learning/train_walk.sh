@@ -7,4 +7,4 @@ shift
 cd "$(dirname "$0")/../.."
 device=cpu
 ${PYTHON:=python3} -c 'import sys, torch; sys.exit(not torch.cuda.is_available())' && device=cuda
-exec "$PYTHON" python/examples/learn_to_walk.py --envs 2048 --iterations 100000 --seconds 150 --device "$device" --out "$out" "$@"
+exec "$PYTHON" python/examples/learn_to_walk.py --envs 1024 --iterations 100000 --seconds 150 --device "$device" --out "$out" "$@"

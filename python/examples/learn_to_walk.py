@@ -14,6 +14,7 @@ Walk in Minutes Using Massively Parallel Deep Reinforcement Learning*, 2022.
 import argparse
 import csv
 import time
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -278,7 +279,10 @@ def save(agent: Agent, curve: list[dict[str, float]], out: Path) -> None:
     example = torch.zeros(1, len(agent.mean))
     names: dict[str, Any] = {"input_names": ["observation"], "output_names": ["action"], "dynamic_axes": {"observation": {0: "n"}, "action": {0: "n"}}}
     try:
-        torch.onnx.export(agent, (example,), str(out / "policy.onnx"), dynamo=False, **names)
+        with warnings.catch_warnings():
+            # The new exporter needs the package onnxscript.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            torch.onnx.export(agent, (example,), str(out / "policy.onnx"), dynamo=False, **names)
     except Exception as error:  # the exporters of some versions need further packages
         print(f"no ONNX file: {error}")
 

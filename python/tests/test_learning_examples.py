@@ -35,24 +35,30 @@ def test_an_evolution_strategy_swings_up() -> None:
     assert learned[-1] > -4.0 and learned[-1] > learned[0] + 3.0
 
 
-@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
-def test_a_policy_in_c_is_the_network(activation: str, tmp_path: Path) -> None:
+def run_code(code: Path, observations: Any, actions: int) -> Any:
+    """Actions of a policy in C for each observation."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         pytest.skip("it needs a C compiler")
+    library, found = code.with_suffix(".so"), []
+    subprocess.run([compiler, "-O1", "-Wall", "-Werror", "-shared", "-fPIC", code, "-o", library, "-lm"], check=True)
+    policy = ctypes.CDLL(str(library)).policy
+    for one in observations:
+        out = (ctypes.c_float * actions)()
+        policy((ctypes.c_float * len(one))(*one), out)
+        found.append(list(out))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
+def test_a_policy_in_c_is_the_network(activation: str, tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     widths = [5, 7, 4, 3]
     layers = [(random.standard_normal((b, a)), random.standard_normal(b)) for a, b in zip(widths, widths[1:], strict=False)]
     mean, deviation = random.standard_normal(5), random.uniform(0.5, 2.0, 5)
     (tmp_path / "policy.c").write_text(policy_code(layers, activation=activation, mean=mean, deviation=deviation, limit=2.0))
-    library = tmp_path / "policy.so"
-    subprocess.run([compiler, "-O1", "-Wall", "-Werror", "-shared", "-fPIC", tmp_path / "policy.c", "-o", library, "-lm"], check=True)
-    policy = ctypes.CDLL(str(library)).policy
-    seen, actions = random.standard_normal((20, 5)), []
-    for one in seen:
-        out = (ctypes.c_float * 3)()
-        policy((ctypes.c_float * 5)(*one), out)
-        actions.append(list(out))
+    seen = random.standard_normal((20, 5))
+    actions = run_code(tmp_path / "policy.c", seen, 3)
     x = (seen - mean) / deviation
     functions: dict[str, Callable[[Any], Any]] = {"elu": lambda x: np.where(x > 0, x, np.expm1(np.minimum(x, 0))), "relu": lambda x: np.maximum(x, 0), "tanh": np.tanh}
     for k, (w, b) in enumerate(layers):
@@ -73,7 +79,7 @@ def test_bad_policies_are_named() -> None:
 
 
 def test_policy_optimization_swings_up(tmp_path: Path) -> None:
-    pytest.importorskip("torch")
+    torch = pytest.importorskip("torch")
     script = example("learn_to_walk")
     task = SwingUp(128, dt=0.01, substeps=5, horizon=120, threads=1)
     agent, curve = script.learn(task, script.Settings(hidden=(32, 32), steps=30), 60, seed=3)
@@ -81,5 +87,16 @@ def test_policy_optimization_swings_up(tmp_path: Path) -> None:
     # −3.
     assert curve[0]["reward"] < -5.0 and max(row["reward"] for row in curve[-10:]) > -3.5
     script.save(agent, curve, tmp_path)
-    assert (tmp_path / "policy.c").exists() and (tmp_path / "policy.pt").exists()
+    saved = script.Agent(3, 1, script.Settings(hidden=(32, 32)))
+    saved.load_state_dict(torch.load(tmp_path / "policy.pt"))
+    seen = np.random.default_rng(1).uniform(-1.0, 1.0, (50, 3)).astype(np.float32)
+    with torch.no_grad():
+        actions = saved(torch.from_numpy(seen)).numpy()
+    # Sums of 32 products of order one, in 32 bits.
+    np.testing.assert_allclose(run_code(tmp_path / "policy.c", seen, 1), actions, rtol=1e-4, atol=1e-4)
+    if importlib.util.find_spec("onnx") is not None:
+        from onnx.reference import ReferenceEvaluator
+
+        (computed,) = ReferenceEvaluator(str(tmp_path / "policy.onnx")).run(None, {"observation": seen})
+        np.testing.assert_allclose(computed, actions, rtol=1e-4, atol=1e-4)
     assert len((tmp_path / "curve.csv").read_text().splitlines()) == 61
