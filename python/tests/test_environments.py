@@ -1,6 +1,7 @@
 """Environments with contact: position control, differences between environments, and the tasks Walk and
 Lift."""
 
+import dataclasses
 import subprocess
 import sys
 from typing import Any
@@ -11,6 +12,7 @@ from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
 from robot_dynamics.gym import Lift, Pushes, Randomization, RobotEnv, Walk, humanoid, quadruped, rough_ground
+from robot_dynamics.randomization import PushSchedule
 
 STANDING = quadruped().configuration()
 
@@ -207,6 +209,46 @@ def test_the_keyframes_of_the_file_lift_the_box() -> None:
         _, rewards, terminated, _, _ = envs.step(np.tile(2.0 * (controls - least) / (most - least) - 1.0, (4, 1)))
         assert not terminated.any()
     assert (np.abs(envs.missing) < 0.02).all() and envs.has_contact.all() and (rewards > 0.8).all()
+
+
+def test_a_weaker_motor_has_smaller_gains_and_limits() -> None:
+    weak = Walk(2, randomization=Randomization(strength=(0.5, 0.5)))
+    soft = Walk(2, dataclasses.replace(quadruped(), stiffness=40.0, damping=0.5))
+    assert np.array_equal(weak.reset(seed=1)[0], soft.reset(seed=1)[0])
+    for _ in range(5):
+        weak.step(np.full((2, 12), 0.1))
+        soft.step(np.full((2, 12), 0.1))
+        assert np.array_equal(weak.q, soft.q)
+    weak.step(np.ones((2, 12)))
+    knees = [joint.v.start for joint in weak.robot.joints if joint.name.endswith("knee")]
+    assert (np.abs(weak.simulations.applied_torques[:, knees]) <= 0.5 * 36.0).all()
+
+
+def test_factors_are_drawn_for_each_episode_within_their_ranges() -> None:
+    envs = Walk(40, horizon=2, randomization=Randomization(strength=(0.8, 1.2), delay=(1, 5)))
+    envs.reset(seed=1)
+    first = envs.factors.strength.copy()
+    for _ in range(3):
+        envs.step(np.zeros((40, 12)))
+    factors = envs.factors
+    assert (factors.strength != first).all() and (np.abs(factors.strength - 1.0) <= 0.2).all()
+    assert set(factors.delay) == {1, 2, 3, 4, 5} and (factors.stiffness == 1.0).all()
+
+
+def test_pushes_have_their_length_size_and_interval() -> None:
+    schedule = PushSchedule(Pushes("trunk", 10.0, 0.0, (0.2, 0.4), 0.06), 50, 0.02)
+    random, simulations = np.random.default_rng(1), rd.SimulationBatch(rd.example("quadruped", floating_base=True), 50)
+    schedule.restart(np.ones(50, bool), random)
+    acts = []
+    for _ in range(200):
+        schedule.advance(simulations, random)
+        assert (np.abs(schedule.wrenches[:, :3]) <= 10.0).all() and not schedule.wrenches[:, 3:].any()
+        acts.append(schedule.wrenches.any(axis=1))
+    pushed = np.array(acts)
+    # Three control steps in each 10 to 20.
+    assert 3 / 20 < pushed.mean() < 3 / 10
+    begins = np.flatnonzero(np.diff(pushed[:, 0].astype(int)) == 1)
+    assert set(np.diff(begins)) <= set(range(10, 21)) and not pushed[:9].any()
 
 
 def test_options_that_do_not_fit_are_named() -> None:

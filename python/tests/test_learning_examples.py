@@ -81,6 +81,7 @@ def test_bad_policies_are_named() -> None:
 def test_policy_optimization_swings_up(tmp_path: Path) -> None:
     torch = pytest.importorskip("torch")
     script = example("learn_to_walk")
+    torch.set_num_threads(1)
     task = SwingUp(128, dt=0.01, substeps=5, horizon=120, threads=1)
     agent, curve = script.learn(task, script.Settings(hidden=(32, 32), steps=30), 60, seed=3)
     # Random actions score about −6 a step. The swing takes about three of the six seconds and scores about
