@@ -172,7 +172,9 @@ fn compute<S: Scalar>(
         }
         Function::ContactStep { .. }
         | Function::ContactProblem
+        | Function::ContactStart
         | Function::ContactSweep
+        | Function::ContactFixedPoint
         | Function::ContactEnd => {
             let contact = contact.as_ref().expect("a function of contact has a step");
             contact_stage(function, contact, model, w, arguments, results);
@@ -300,9 +302,16 @@ fn contact_stage<S: Scalar>(
             let inputs = ContactStepInputs::new([x, y, z], s[0], t[0], u);
             step.prepare(model, w, &inputs, first, &mut rest[0]);
         }
-        Function::ContactSweep => {
+        Function::ContactStart => {
+            first.copy_from_slice(y);
+            step.start(x, z, first);
+        }
+        Function::ContactSweep | Function::ContactFixedPoint => {
             first.copy_from_slice(y);
             rest[0].copy_from_slice(z);
+            if *function == Function::ContactFixedPoint {
+                step.start(x, z, first);
+            }
             step.sweep(x, first, &mut rest[0]);
         }
         _ => step.finish(model, x, (z, s[0]), y, first, &mut rest[0]),

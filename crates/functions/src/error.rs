@@ -11,16 +11,24 @@ use crate::Function;
 #[non_exhaustive]
 pub enum FunctionError {
     /// No function has this name.
-    #[error("unknown function `{name}`; the functions are {}; of a frame {}; and for each except derivatives, pullbacks and contact, NAME_derivatives and NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    #[error("unknown function `{name}`; the functions are {}; of a frame {}; and for each except derivatives and pullbacks, NAME_derivatives and NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     Unknown {
         /// The name given.
         name: String,
     },
     /// Derivatives or pullbacks of derivatives or pullbacks.
     #[error(
-        "unknown function `{function}`: derivatives, pullbacks and steps with contact have no derivatives or pullbacks"
+        "unknown function `{function}`: derivatives and pullbacks have no derivatives or pullbacks themselves"
     )]
     NotDifferentiable {
+        /// The function's name.
+        function: String,
+    },
+    /// A step with contact is differentiated in stages, which this language does not have.
+    #[error(
+        "`{function}` is computed in stages: generate it for CUDA or WGSL, where it is one kernel, or generate its stages"
+    )]
+    InStages {
         /// The function's name.
         function: String,
     },
@@ -43,6 +51,7 @@ impl Classified for FunctionError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Unknown { .. } | Self::NotDifferentiable { .. } => ErrorKind::UnknownName,
+            Self::InStages { .. } => ErrorKind::Unsupported,
             Self::Input(error) => error.kind(),
             Self::Singular { .. } => ErrorKind::Singular,
         }

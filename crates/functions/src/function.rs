@@ -68,10 +68,14 @@ pub enum Function {
         /// The number of sweeps.
         sweeps: u16,
     },
-    /// The first stage of a step with contact: its problem, and the velocity that the sweeps start from.
+    /// The first stage of a step with contact: its problem, and the velocity without multipliers.
     ContactProblem,
+    /// The second stage of a step with contact: the velocity with multipliers.
+    ContactStart,
     /// The repeated stage of a step with contact: one sweep.
     ContactSweep,
+    /// The second stage and a sweep, whose fixed point is the solution of a problem.
+    ContactFixedPoint,
     /// The last stage of a step with contact: the state after it.
     ContactEnd,
     /// `world_from_frame` of all frames.
@@ -214,7 +218,7 @@ impl Function {
         }
     }
 
-    /// Whether it has derivatives and pullbacks: it is no derivative or pullback itself, and has no contact.
+    /// Whether it has derivatives and pullbacks: it is not a derivative or pullback itself.
     ///
     /// ```
     /// use robot_dynamics_functions::Function;
@@ -227,10 +231,6 @@ impl Function {
                 | Self::ForwardDynamicsDerivatives
                 | Self::InverseDynamicsPullback
                 | Self::ForwardDynamicsPullback
-                | Self::ContactStep { .. }
-                | Self::ContactProblem
-                | Self::ContactSweep
-                | Self::ContactEnd
                 | Self::Derivatives(_)
                 | Self::Pullback(_)
         )
@@ -295,7 +295,9 @@ impl Function {
             Self::Rk4Step => "rk4_step",
             Self::ContactStep { .. } => "contact_step",
             Self::ContactProblem => "contact_problem",
+            Self::ContactStart => "contact_start",
             Self::ContactSweep => "contact_sweep",
+            Self::ContactFixedPoint => "contact_fixed_point",
             Self::ContactEnd => "contact_end",
             Self::FramePoses => "frame_poses",
             Self::FramePose(_) => Self::OF_FRAMES[0],

@@ -36,16 +36,17 @@ impl FromStr for Function {
     fn from_str(text: &str) -> Result<Self, FunctionError> {
         let unknown = || FunctionError::Unknown { name: text.into() };
         let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
+        let with_sweeps = |stem: &str| {
+            let sweeps = stem.strip_prefix("contact_step_")?.strip_suffix("_sweeps")?.parse().ok()?;
+            Some(Self::ContactStep { sweeps })
+        };
         let named = |stem: &str| match frame {
+            None if stem.starts_with("contact_step_") => with_sweeps(stem),
             None => Self::PLAIN.into_iter().chain(Self::OF_CONTACT).find(|plain| plain.plain_stem() == stem),
             Some(frame) => Self::of_frame(frame).into_iter().find(|of_frame| of_frame.plain_stem() == stem),
         };
         if let Some(function) = named(stem) {
             return Ok(function);
-        }
-        let sweeps = text.strip_prefix("contact_step_").and_then(|rest| rest.strip_suffix("_sweeps"));
-        if let Some(Ok(sweeps)) = sweeps.map(str::parse) {
-            return Ok(Self::ContactStep { sweeps });
         }
         let of_another = |kind: DerivativeKind| Some((named(stem.strip_suffix(kind.suffix())?)?, kind));
         match DerivativeKind::ALL.into_iter().find_map(of_another) {
@@ -67,12 +68,13 @@ mod tests {
     #[test]
     fn names_of_contact_are_read_back() {
         let mut functions = Function::OF_CONTACT.to_vec();
-        functions.push(Function::ContactStep { sweeps: 3 });
+        functions
+            .extend([Function::ContactStep { sweeps: 3 }, Function::ContactStep { sweeps: 3 }.pullback()]);
         for function in functions {
             assert_eq!(function.to_string().parse::<Function>().unwrap(), function);
         }
         assert_eq!(Function::ContactStep { sweeps: 3 }.to_string(), "contact_step_3_sweeps");
-        for wrong in ["contact_step_x_sweeps", "contact_step_-1_sweeps", "contact_step_pullback"] {
+        for wrong in ["contact_step_x_sweeps", "contact_step_-1_sweeps", "contact_step_sweeps"] {
             assert!(wrong.parse::<Function>().is_err(), "{wrong}");
         }
     }

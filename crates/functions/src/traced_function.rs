@@ -73,6 +73,9 @@ impl Function {
         if of_another.is_some() && !of.is_differentiable() {
             return Err(FunctionError::NotDifferentiable { function: self.to_string() });
         }
+        if of_another.is_some() && matches!(of, Self::ContactStep { .. }) {
+            return Err(FunctionError::InStages { function: self.to_string() });
+        }
         let source = of.traced_model(model);
         check_mass(self, &source)?;
         let compute = call::<Traced>(of, &source)?;

@@ -9,7 +9,7 @@ use crate::generated_files::{GeneratedFile, GeneratedFiles};
 use crate::layout::Layout;
 use crate::program::Program;
 use crate::writers::{self, Context};
-use crate::{Function, GenerateError, Request, Target, heading, names, stages};
+use crate::{GenerateError, Request, Target, heading, names, stages};
 
 /// Generates the functions for one robot. The same request gives the same bytes on every machine.
 ///
@@ -63,12 +63,12 @@ pub(crate) fn prepare(model: &Model, request: &Request) -> Result<TracedPrograms
     }
     let states = request.states.max(1);
     let programs: Vec<Program> = (request.functions.iter())
-        .map(|function| match function {
-            // Devices loop over the sweeps. Other targets write them as one expression.
-            Function::ContactStep { sweeps } if matches!(request.target, Target::Cuda | Target::Wgsl) => {
-                stages::contact_step(*sweeps, model, request.arithmetic, states)
-            }
-            _ => Program::new(function, model, request.arithmetic, states),
+        .map(|function| {
+            // Devices loop over sweeps. Other targets write them as one expression.
+            let has_stages = matches!(request.target, Target::Cuda | Target::Wgsl);
+            let staged =
+                if has_stages { stages::staged(function, model, request.arithmetic, states) } else { None };
+            staged.unwrap_or_else(|| Program::new(function, model, request.arithmetic, states))
         })
         .collect::<Result<_, _>>()?;
     let mut symbols = BTreeSet::new();

@@ -47,7 +47,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
         cases,
         entries: Vec::new(),
         tolerance: 0.0,
-        stages: Vec::new(),
+        stages: None,
     }
 }
 

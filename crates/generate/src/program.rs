@@ -42,30 +42,102 @@ pub(crate) struct Program {
     /// The tolerance of results: 0, or the effect of another sine or another order of operations.
     pub(crate) tolerance: f64,
     /// The stages that compute it, if it is not one expression.
-    pub(crate) stages: Vec<Stage>,
+    pub(crate) stages: Option<Stages>,
 }
 
-/// A stage of a function, computed a number of times.
+/// A function in stages, with the tables that these pass on, and the order in which they are called.
+#[derive(Clone, Debug)]
+pub(crate) struct Stages {
+    pub(crate) stages: Vec<Stage>,
+    /// The tables in a thread's own memory, with their lengths.
+    pub(crate) locals: Vec<(&'static str, usize)>,
+    pub(crate) body: Vec<Instruction>,
+}
+
+/// A stage of a function.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     pub(crate) program: Program,
     pub(crate) layout: Layout,
-    pub(crate) repeats: usize,
 }
 
-/// The tables that stages of a step with contact pass on. Tables of the state have other names, except the
-/// multipliers.
-pub(crate) const PASSED: [&str; 4] = ["problem", "velocity", "velocity_next", "impulses_next"];
+/// A table, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// An argument or a result of the function.
+    State(&'static str),
+    /// A part of a table in the thread's own memory.
+    Local { table: &'static str, offset: usize },
+}
 
-impl Stage {
-    /// Whether an argument of this stage comes from another stage.
-    pub(crate) fn is_passed(&self, name: &str) -> bool {
-        PASSED[..2].contains(&name) || (name == "impulses" && self.program.function == Function::ContactSweep)
+impl Place {
+    pub(crate) const fn table(&self) -> &'static str {
+        match self {
+            Self::State(table) | Self::Local { table, .. } => table,
+        }
     }
 
-    /// Whether a result of this stage goes to another stage.
-    pub(crate) fn is_passed_on(&self, name: &str) -> bool {
-        PASSED.contains(&name)
+    pub(crate) const fn offset(&self) -> usize {
+        match self {
+            Self::State(_) => 0,
+            Self::Local { offset, .. } => *offset,
+        }
+    }
+
+    /// A later part of a table.
+    pub(crate) const fn shifted(self, by: usize) -> Self {
+        Self::Local { table: self.table(), offset: self.offset() + by }
+    }
+}
+
+/// An instruction of a function in stages.
+#[derive(Clone, Debug)]
+pub(crate) enum Instruction {
+    Call(Call),
+    Clear {
+        place: Place,
+        count: usize,
+    },
+    Copy {
+        from: Place,
+        to: Place,
+        count: usize,
+    },
+    /// to += from.
+    Add {
+        from: Place,
+        to: Place,
+        count: usize,
+    },
+    Repeat {
+        count: usize,
+        body: Vec<Self>,
+    },
+}
+
+/// A call of a stage, by its index.
+#[derive(Clone, Debug)]
+pub(crate) struct Call {
+    pub(crate) stage: usize,
+    pub(crate) arguments: Vec<Place>,
+    pub(crate) results: Vec<Place>,
+}
+
+impl Stages {
+    /// All calls with their numbers of repetitions, in order.
+    pub(crate) fn calls(&self) -> Vec<(&Call, usize)> {
+        fn collect<'a>(body: &'a [Instruction], times: usize, calls: &mut Vec<(&'a Call, usize)>) {
+            for instruction in body {
+                match instruction {
+                    Instruction::Call(call) => calls.push((call, times)),
+                    Instruction::Repeat { count, body } => collect(body, times * count, calls),
+                    Instruction::Clear { .. } | Instruction::Copy { .. } | Instruction::Add { .. } => {}
+                }
+            }
+        }
+        let mut calls = Vec::new();
+        collect(&self.body, 1, &mut calls);
+        calls
     }
 }
 
@@ -128,7 +200,7 @@ impl Program {
             cases,
             entries,
             tolerance,
-            stages: Vec::new(),
+            stages: None,
         };
         program.check_finite(model)?;
         Ok(program)
@@ -150,8 +222,10 @@ impl Program {
     /// Operations by kind.
     pub(crate) fn counts(&self) -> OperationCounts {
         let mut counts = OperationCounts::default();
-        for stage in &self.stages {
-            counts.add(stage.program.counts(), stage.repeats);
+        if let Some(stages) = &self.stages {
+            for (call, times) in stages.calls() {
+                counts.add(stages.stages[call.stage].program.counts(), times);
+            }
         }
         for &node in &self.plan.order {
             let count = match self.graph.nodes[node] {
@@ -243,7 +317,7 @@ pub(crate) fn random_arguments(
     arithmetic: Arithmetic,
     states: usize,
 ) -> Vec<Vec<Vec<f64>>> {
-    if matches!(function, Function::ContactSweep | Function::ContactEnd) {
+    if function.arguments(model).iter().any(|argument| argument.name == "problem") {
         return arguments_of_stage(function, model, arithmetic, states);
     }
     let mut random = SplitMix64::new(2026);
@@ -279,15 +353,17 @@ fn arguments_of_stage(
 ) -> Vec<Vec<Vec<f64>>> {
     let first = Function::ContactProblem;
     let names: Vec<&str> = first.arguments(model).iter().map(|argument| argument.name).collect();
+    let mut random = SplitMix64::new(2027);
     let of_state = |arguments: Vec<Vec<f64>>| {
         // A robot without this function is rejected when it is traced.
         let results = first.compute(model, &arguments).unwrap_or_default();
-        let named = |argument: Argument| match argument.name {
+        let mut named = |argument: Argument| match argument.name {
             "problem" => results.first().cloned().unwrap_or_default(),
             "velocity" => results.get(1).cloned().unwrap_or_default(),
-            name => {
-                names.iter().position(|other| *other == name).map_or(Vec::new(), |k| arguments[k].clone())
-            }
+            name => match names.iter().position(|other| *other == name) {
+                Some(k) => arguments[k].clone(),
+                None => (0..argument.length).map(|_| random.uniform(0.0, 1.0)).collect(),
+            },
         };
         let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
         function.arguments(model).into_iter().map(|argument| rounded(named(argument))).collect()

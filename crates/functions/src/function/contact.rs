@@ -7,10 +7,12 @@ impl Function {
     pub const CONTACT_SWEEPS: u16 = 16;
 
     /// The functions of a step with contact, for robots whose shapes it supports.
-    pub const OF_CONTACT: [Self; 4] = [
+    pub const OF_CONTACT: [Self; 6] = [
         Self::ContactStep { sweeps: Self::CONTACT_SWEEPS },
         Self::ContactProblem,
+        Self::ContactStart,
         Self::ContactSweep,
+        Self::ContactFixedPoint,
         Self::ContactEnd,
     ];
 
@@ -18,7 +20,12 @@ impl Function {
     pub(crate) fn is_of_contact(&self) -> bool {
         matches!(
             self,
-            Self::ContactStep { .. } | Self::ContactProblem | Self::ContactSweep | Self::ContactEnd
+            Self::ContactStep { .. }
+                | Self::ContactProblem
+                | Self::ContactStart
+                | Self::ContactSweep
+                | Self::ContactFixedPoint
+                | Self::ContactEnd
         )
     }
 }

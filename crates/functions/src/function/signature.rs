@@ -147,9 +147,11 @@ impl Function {
                 "(M + h D)(v_next - v) = h (tau - C v - g - D v) + J^T p, q_next = q moved along h v_next; D damping, p of contacts, stops and friction by projected Gauss-Seidel sweeps"
             }
             Self::ContactProblem => {
-                "the rows and bounds of a step with contact, and its velocity before the sweeps"
+                "the rows and bounds of a step with contact, and its velocity without multipliers"
             }
+            Self::ContactStart => "velocity + (J L^-1 D^-1/2)^T impulses",
             Self::ContactSweep => "one projected Gauss-Seidel sweep of a step with contact",
+            Self::ContactFixedPoint => "contact_start, and then contact_sweep",
             Self::ContactEnd => "v_next = L^-1 D^-1/2 velocity, q_next = q moved along h v_next",
             Self::FramePoses => "world_from_frame of all frames: x_world = R x_frame + p",
             Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
@@ -215,9 +217,12 @@ impl Function {
         arguments
     }
 
-    /// The arguments to differentiate with respect to, all except the length of a step, and their indices.
+    /// The arguments to differentiate with respect to, and their indices: all except the length of a step and
+    /// the multipliers that its sweeps start from.
     pub(crate) fn varied_arguments(&self) -> impl Iterator<Item = (usize, ArgumentRow)> + use<> {
-        self.rows_of_arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
+        let is_step = matches!(self, Self::ContactStep { .. });
+        let is_varied = move |name: &str| name != H.0 && !(is_step && name == IMPULSES.0);
+        self.rows_of_arguments().into_iter().enumerate().filter(move |(_, (name, ..))| is_varied(name))
     }
 
     fn plain_arguments(&self) -> &'static [ArgumentRow] {
@@ -230,8 +235,9 @@ impl Function {
             Self::InverseDynamicsPullback => &[Q, V, A, COTANGENT],
             Self::ForwardDynamicsPullback => &[Q, V, TAU, COTANGENT],
             Self::SemiImplicitEulerStep | Self::Rk4Step => &[Q, V, TAU, H],
-            Self::ContactStep { .. } | Self::ContactProblem => &[Q, V, TAU, H, FRICTION, IMPULSES],
-            Self::ContactSweep => &[PROBLEM, SCALED, IMPULSES],
+            Self::ContactStep { .. } => &[Q, V, TAU, H, FRICTION, IMPULSES],
+            Self::ContactProblem => &[Q, V, TAU, H, FRICTION],
+            Self::ContactStart | Self::ContactSweep | Self::ContactFixedPoint => &[PROBLEM, SCALED, IMPULSES],
             Self::ContactEnd => &[PROBLEM, SCALED, Q, H],
             Self::Bias
             | Self::VelocityProduct
@@ -313,7 +319,8 @@ impl Function {
                 ("problem", Size::Problem, Size::One, "rows and bounds"),
                 ("velocity", Size::Nv, Size::One, "sqrt(D) L v with the initial multipliers"),
             ],
-            Self::ContactSweep => {
+            Self::ContactStart => &[("velocity_next", Size::Nv, Size::One, "with the multipliers")],
+            Self::ContactSweep | Self::ContactFixedPoint => {
                 const { &[("velocity_next", Size::Nv, Size::One, "after the sweep"), NEXT_IMPULSES] }
             }
             Self::FramePoses => &[("poses", Size::Poses, Size::One, "for each frame R by rows, then p [m]")],
@@ -333,6 +340,10 @@ fn derivative_name(argument: &str) -> &'static str {
         "v" => "by_velocity",
         "a" => "by_acceleration",
         "tau" => "by_force",
+        "friction" => "by_friction",
+        "problem" => "by_problem",
+        "velocity" => "by_scaled_velocity",
+        "impulses" => "by_impulses",
         other => unreachable!("no derivatives with respect to {other}"),
     }
 }

@@ -33,6 +33,8 @@ pub(crate) enum Size {
     Impulses,
     /// The table of a step with contact.
     Problem,
+    /// The sum of these.
+    Sum(&'static [Self]),
 }
 
 impl Size {
@@ -52,6 +54,7 @@ impl Size {
             Self::Regressor => model.nv() * Self::Parameters.of(model),
             // A robot without a step with contact is rejected when the function is traced.
             Self::Impulses => ContactStep::new(model, 1).map_or(0, |step| step.impulse_count()),
+            Self::Sum(sizes) => sizes.iter().map(|size| size.of(model)).sum(),
             Self::Problem => ContactStep::new(model, 1).map_or(0, |step| step.problem_count()),
         }
     }
@@ -74,7 +77,10 @@ impl Size {
         };
         match results.iter().map(flat).collect::<Vec<_>>()[..] {
             [one] => one,
-            [Self::Nv, Self::Nv] => Self::TwoNv,
+            // The multipliers that a step returns have no weights.
+            [Self::Nv, Self::Nv] | [Self::Nv, Self::Nv, Self::Impulses] => Self::TwoNv,
+            [Self::Problem, Self::Nv] => Self::Sum(&[Self::Problem, Self::Nv]),
+            [Self::Nv, Self::Impulses] => Self::Sum(&[Self::Nv, Self::Impulses]),
             [Self::Fixed(one), Self::Fixed(other)] => Self::Fixed(one + other),
             ref sizes => unreachable!("no differentiable function has results of {sizes:?}"),
         }

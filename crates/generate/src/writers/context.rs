@@ -35,7 +35,8 @@ impl Context<'_> {
     }
 
     pub(crate) fn helpers(&self) -> Helpers {
-        let stages = self.programs.iter().flat_map(|program| &program.stages).map(|stage| &stage.program);
+        let stages = self.programs.iter().filter_map(|program| program.stages.as_ref());
+        let stages = stages.flat_map(|stages| &stages.stages).map(|stage| &stage.program);
         let programs = self.programs.iter().chain(stages);
         Helpers::of(programs.map(|program| (&program.graph, &program.plan)), self.arithmetic())
     }

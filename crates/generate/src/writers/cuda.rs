@@ -42,10 +42,9 @@ fn source(context: &Context<'_>) -> String {
     for (program, layout) in context.functions() {
         text += "\n";
         text += &comment(&about(program));
-        text += &if program.stages.is_empty() {
-            kernel(syntax, program, layout)
-        } else {
-            staged_kernel(syntax, program)
+        text += &match &program.stages {
+            None => kernel(syntax, program, layout),
+            Some(stages) => staged_kernel(syntax, program, stages),
         };
     }
     text

@@ -6,101 +6,87 @@ use std::fmt::Write;
 use super::cuda_kernel::head;
 use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
-use crate::program::{Program, Stage};
+use crate::program::{Call, Instruction, Place, Program, Stage, Stages};
 use crate::syntax::Syntax;
 
-/// The parts of each stage, and the kernel that calls them. Sweeps alternate between two sets of tables.
-pub(super) fn staged_kernel(syntax: Syntax<'_>, program: &Program) -> String {
+/// The parts of each stage, and the kernel that calls them.
+pub(super) fn staged_kernel(syntax: Syntax<'_>, program: &Program, stages: &Stages) -> String {
     let number = syntax.number();
     let name = format!("{}{}", syntax.prefix, program.symbol);
-    let [first, sweep, last] = &program.stages[..] else {
-        unreachable!("a step with contact has three stages")
-    };
-    let mut text: String = program.stages.iter().map(|stage| parts(syntax, &name, stage)).collect();
+    let calls = stages.calls();
+    let mut text = String::new();
+    for (index, stage) in stages.stages.iter().enumerate() {
+        let (call, _) = calls.iter().find(|(call, _)| call.stage == index).expect("each stage is called");
+        text += &parts(syntax, &name, stage, call);
+    }
     let arguments = program.arguments.iter().map(|x| (x.name, x.length));
     let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
     let constants = arguments.clone().map(|(x, _)| format!("const {number} *__restrict__ {x}"));
     let results = outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"));
     let whole = constants.chain(results).collect::<Vec<_>>().join(", ");
     text += &head(&name, &whole, &arguments.chain(outcomes).collect::<Vec<_>>());
-    let length = |table: &str| {
-        let argument = sweep.program.arguments.iter().find(|argument| argument.name == table);
-        argument.map_or(0, |argument| argument.length)
-    };
-    let (velocity, impulses) = (length("velocity"), length("impulses"));
-    let w = program.stages.iter().map(|stage| stage.layout.array_length).max().unwrap_or(0);
-    for (table, length) in [
-        ("problem", length("problem")),
-        ("w", w),
-        ("v0", velocity),
-        ("v1", velocity),
-        ("p0", impulses),
-        ("p1", impulses),
-    ] {
-        let _ = writeln!(text, "    {number} {table}[{}];", length.max(1));
+    let longest = stages.stages.iter().map(|stage| stage.layout.array_length).max().unwrap_or(0);
+    for (table, length) in stages.locals.iter().chain([&("w", longest)]) {
+        let _ = writeln!(text, "    {number} own_{table}[{}];", (*length).max(1));
     }
-    text += &calls(&name, first, &["problem", "v0"]);
-    let _ = writeln!(text, "    for (int i = 0; i < {impulses}; i++) p0[i] = impulses[i * s];");
-    let sweeps = sweep.repeats;
-    let one = |from: usize, to: usize| {
-        let names = [format!("v{from}"), format!("p{from}"), format!("v{to}"), format!("p{to}")];
-        let names = names.each_ref().map(String::as_str);
-        indented(&calls_of(&name, sweep, &["problem", names[0], names[1]], &[names[2], names[3]]))
+    instructions(&name, stages, &stages.body, "    ", &mut text);
+    text + "}\n"
+}
+
+fn instructions(name: &str, stages: &Stages, body: &[Instruction], indent: &str, text: &mut String) {
+    let number = |place: &Place| match place {
+        Place::State(table) => format!("{table}[i * s]"),
+        Place::Local { table, offset } => format!("own_{table}[{offset} + i]"),
     };
-    let _ = write!(
-        text,
-        "    for (int sweep = 0; sweep < {}; sweep++) {{\n{}{}    }}\n",
-        sweeps / 2,
-        one(0, 1),
-        one(1, 0)
-    );
-    let end = sweeps % 2;
-    if end == 1 {
-        let _ = write!(text, "    {{\n{}    }}\n", one(0, 1));
+    for instruction in body {
+        let _ = match instruction {
+            Instruction::Call(Call { stage, arguments, results }) => {
+                let table = |place: &Place| match place {
+                    Place::State(table) => String::from(*table),
+                    Place::Local { table, offset } => format!("own_{table} + {offset}"),
+                };
+                let tables = arguments.iter().chain(results).map(table).collect::<Vec<_>>().join(", ");
+                let Stage { program, layout } = &stages.stages[*stage];
+                (0..layout.parts.len()).try_for_each(|part| {
+                    writeln!(text, "{indent}{name}_{}_{part}({tables}, s, own_w);", program.symbol)
+                })
+            }
+            Instruction::Clear { place, count } => {
+                writeln!(text, "{indent}for (int i = 0; i < {count}; i++) {} = 0;", number(place))
+            }
+            Instruction::Copy { from, to, count } | Instruction::Add { from, to, count } => {
+                let sign = if matches!(instruction, Instruction::Add { .. }) { "+=" } else { "=" };
+                writeln!(
+                    text,
+                    "{indent}for (int i = 0; i < {count}; i++) {} {sign} {};",
+                    number(to),
+                    number(from)
+                )
+            }
+            Instruction::Repeat { count, body } => {
+                let _ = writeln!(text, "{indent}for (int turn = 0; turn < {count}; turn++) {{");
+                instructions(name, stages, body, &format!("{indent}    "), text);
+                writeln!(text, "{indent}}}")
+            }
+        };
     }
-    let velocity = format!("v{end}");
-    text += &calls_of(&name, last, &["problem", &velocity, "q", "h"], &["q_next", "v_next"]);
-    let _ = write!(text, "    for (int i = 0; i < {impulses}; i++) impulses_next[i * s] = p{end}[i];\n}}\n");
-    text
-}
-
-fn indented(lines: &str) -> String {
-    lines.lines().map(|line| format!("    {line}\n")).collect()
-}
-
-/// The calls of a stage whose arguments have their own names.
-fn calls(name: &str, stage: &Stage, results: &[&str]) -> String {
-    let arguments: Vec<&str> = stage.program.arguments.iter().map(|argument| argument.name).collect();
-    calls_of(name, stage, &arguments, results)
-}
-
-/// The calls of a stage's parts with these tables.
-fn calls_of(name: &str, stage: &Stage, arguments: &[&str], results: &[&str]) -> String {
-    let tables = arguments.iter().chain(results).copied().collect::<Vec<_>>().join(", ");
-    let call = |part: usize| format!("    {name}_{}_{part}({tables}, s, w);\n", stage.program.symbol);
-    (0..stage.layout.parts.len()).map(call).collect()
 }
 
 /// The parts of a stage. Tables of the state have stride `s`, and tables between stages have stride 1.
-fn parts(syntax: Syntax<'_>, name: &str, stage: &Stage) -> String {
-    let Stage { program, layout, .. } = stage;
+fn parts(syntax: Syntax<'_>, name: &str, stage: &Stage, call: &Call) -> String {
+    let Stage { program, layout } = stage;
     let number = syntax.number();
-    let index_in = |is_passed: bool, index: AffineIndex| match is_passed {
-        true => format!("{index}"),
-        false => format!("{index} * s"),
-    };
+    let stride = |place: &Place| if matches!(place, Place::Local { .. }) { "" } else { " * s" };
     let input = |argument: usize, index: AffineIndex| {
-        let table = program.arguments[argument].name;
-        format!("{table}[{}]", index_in(stage.is_passed(table), index))
+        format!("{}[{index}{}]", program.arguments[argument].name, stride(&call.arguments[argument]))
     };
     let store = |result: usize, index: AffineIndex, text: &str| {
-        let table = &program.outcomes[result].name;
-        format!("{table}[{}] = {text};", index_in(stage.is_passed_on(table), index))
+        format!("{}[{index}{}] = {text};", program.outcomes[result].name, stride(&call.results[result]))
     };
     let clear = |result: usize| {
         let outcome = &program.outcomes[result];
-        let index = if stage.is_passed_on(&outcome.name) { "i" } else { "i * s" };
-        format!("for (int i = 0; i < {}; i++) {}[{index}] = 0;", outcome.length(), outcome.name)
+        let stride = stride(&call.results[result]);
+        format!("for (int i = 0; i < {}; i++) {}[i{stride}] = 0;", outcome.length(), outcome.name)
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };

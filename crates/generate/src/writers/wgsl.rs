@@ -27,7 +27,7 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
 
 fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     let syntax = Syntax { language: Language::Wgsl, arithmetic: context.arithmetic(), prefix: "" };
-    let stages = program.stages.iter().map(|stage| &stage.program);
+    let stages = program.stages.iter().flat_map(|stages| &stages.stages).map(|stage| &stage.program);
     let expressions = stages.chain([program]).map(|one| (&one.graph, &one.plan));
     let helpers = Helpers::of(expressions, context.arithmetic());
     let mut text = commented("//", &lines(context.model, context.request));
@@ -51,10 +51,15 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     if helpers.sine {
         text += &sine_function(syntax);
     }
-    text += &if program.stages.is_empty() {
-        parts(syntax, program, layout)
-    } else {
-        staged_parts(syntax, program)
+    let calls = match &program.stages {
+        None => {
+            text += &parts(syntax, program, layout);
+            (0..layout.parts.len()).map(|part| format!("    part_{part}(state);\n")).collect()
+        }
+        Some(stages) => {
+            text += &staged_parts(syntax, stages);
+            staged_calls(program, stages)
+        }
     };
     let first = &program.arguments[0];
     let _ = write!(
@@ -63,14 +68,7 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
          let state = id.x;\n    if (state >= arrayLength(&{}) / {}u) {{\n        return;\n    }}\n",
         first.name, first.length
     );
-    if program.stages.is_empty() {
-        for part in 0..layout.parts.len() {
-            let _ = writeln!(text, "    part_{part}(state);");
-        }
-    } else {
-        text += &staged_calls(program);
-    }
-    text + "}\n"
+    text + &calls + "}\n"
 }
 
 fn sine_function(syntax: Syntax<'_>) -> String {

@@ -5,79 +5,100 @@ use std::fmt::Write;
 
 use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
-use crate::program::{Program, Stage};
+use crate::program::{Call, Instruction, Place, Program, Stage, Stages};
 use crate::syntax::Syntax;
 
-/// The private memory, and the parts of each stage.
-pub(super) fn staged_parts(syntax: Syntax<'_>, program: &Program) -> String {
-    let [_, sweep, _] = &program.stages[..] else { unreachable!("a step with contact has three stages") };
+/// The private memory, and the parts of each call: a function of WGSL cannot take a part of a table.
+pub(super) fn staged_parts(syntax: Syntax<'_>, stages: &Stages) -> String {
     let mut text = String::from("\n");
-    let arguments = sweep.program.arguments.iter().map(|x| (x.name, x.length));
-    let outcomes = sweep.program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
-    for (name, length) in arguments.chain(outcomes) {
-        let _ = writeln!(text, "var<private> p_{name}: array<f32, {}>;", length.max(1));
+    let longest = stages.stages.iter().map(|stage| stage.layout.array_length).max().unwrap_or(0);
+    for (table, length) in &stages.locals {
+        let _ = writeln!(text, "var<private> own_{table}: array<f32, {}>;", (*length).max(1));
     }
-    let w = program.stages.iter().map(|stage| stage.layout.array_length).max().unwrap_or(0);
-    let _ = writeln!(text, "var<private> w: array<f32, {}>;", w.max(1));
-    for stage in &program.stages {
-        text += &parts(syntax, stage);
+    let _ = writeln!(text, "var<private> w: array<f32, {}>;", longest.max(1));
+    for (number, (call, _)) in stages.calls().into_iter().enumerate() {
+        text += &parts(syntax, &stages.stages[call.stage], call, number);
     }
     text
 }
 
-/// The statements that compute a state, stage by stage.
-pub(super) fn staged_calls(program: &Program) -> String {
-    let [first, sweep, last] = &program.stages[..] else {
-        unreachable!("a step with contact has three stages")
-    };
-    let calls = |stage: &Stage, indent: &str| -> String {
-        let call = |part: usize| format!("{indent}{}_{part}(state);\n", stage.program.symbol);
-        (0..stage.layout.parts.len()).map(call).collect()
-    };
-    let impulses = sweep.program.outcomes[1].length();
-    format!(
-        "{}    for (var i = 0u; i < {impulses}u; i++) {{ p_impulses[i] = impulses[state * {impulses}u + i]; }}\n    \
-         for (var sweep = 0u; sweep < {}u; sweep++) {{\n{}        p_velocity = p_velocity_next;\n        p_impulses = p_impulses_next;\n    }}\n\
-         {}    for (var i = 0u; i < {impulses}u; i++) {{ impulses_next[state * {impulses}u + i] = p_impulses[i]; }}\n",
-        calls(first, "    "),
-        sweep.repeats,
-        calls(sweep, "        "),
-        calls(last, "    "),
-    )
+/// The statements that compute a state.
+pub(super) fn staged_calls(program: &Program, stages: &Stages) -> String {
+    let mut text = String::new();
+    instructions(program, stages, &stages.body, "    ", &mut 0, &mut text);
+    text
 }
 
-/// The parts of a stage.
-fn parts(syntax: Syntax<'_>, stage: &Stage) -> String {
-    let Stage { program, layout, .. } = stage;
-    let input = |argument: usize, index: AffineIndex| {
-        let argument = &program.arguments[argument];
-        if stage.is_passed(argument.name) {
-            format!("p_{}[{index}u]", argument.name)
-        } else {
-            format!("{0}[state * {1}u + {index}u]", argument.name, argument.length)
+fn instructions(
+    program: &Program,
+    stages: &Stages,
+    body: &[Instruction],
+    indent: &str,
+    calls: &mut usize,
+    text: &mut String,
+) {
+    let width = |table: &str| {
+        let argument = program.arguments.iter().find(|x| x.name == table).map(|x| x.length);
+        let outcome = program.outcomes.iter().find(|x| x.name == table).map(|x| x.length());
+        argument.or(outcome).expect("a table of the function")
+    };
+    let number = |place: &Place| match place {
+        Place::State(table) => format!("{table}[state * {}u + i]", width(table)),
+        Place::Local { table, offset } => format!("own_{table}[{offset}u + i]"),
+    };
+    let each = |count: usize, statement: &str| {
+        format!("{indent}for (var i = 0u; i < {count}u; i++) {{ {statement} }}\n")
+    };
+    for instruction in body {
+        match instruction {
+            Instruction::Call(call) => {
+                let Stage { program, layout } = &stages.stages[call.stage];
+                for part in 0..layout.parts.len() {
+                    let _ = writeln!(text, "{indent}{}_{calls}_{part}(state);", program.symbol);
+                }
+                *calls += 1;
+            }
+            Instruction::Clear { place, count } => {
+                *text += &each(*count, &format!("{} = 0.0f;", number(place)));
+            }
+            Instruction::Copy { from, to, count } => {
+                *text += &each(*count, &format!("{} = {};", number(to), number(from)));
+            }
+            Instruction::Add { from, to, count } => {
+                *text += &each(*count, &format!("{} += {};", number(to), number(from)));
+            }
+            Instruction::Repeat { count, body } => {
+                let _ = writeln!(text, "{indent}for (var turn = 0u; turn < {count}u; turn++) {{");
+                instructions(program, stages, body, &format!("{indent}    "), calls, text);
+                let _ = writeln!(text, "{indent}}}");
+            }
         }
+    }
+}
+
+/// The parts of a call of a stage.
+fn parts(syntax: Syntax<'_>, stage: &Stage, call: &Call, number: usize) -> String {
+    let Stage { program, layout } = stage;
+    let at = |place: &Place, width: usize, index: &dyn std::fmt::Display| match place {
+        Place::State(table) => format!("{table}[state * {width}u + {index}]"),
+        Place::Local { table, offset } => format!("own_{table}[{offset}u + {index}]"),
+    };
+    let input = |argument: usize, index: AffineIndex| {
+        at(&call.arguments[argument], program.arguments[argument].length, &format!("{index}u"))
     };
     let store = |result: usize, index: AffineIndex, text: &str| {
-        let outcome = &program.outcomes[result];
-        if stage.is_passed_on(&outcome.name) {
-            format!("p_{}[{index}u] = {text};", outcome.name)
-        } else {
-            format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length())
-        }
+        let place = at(&call.results[result], program.outcomes[result].length(), &format!("{index}u"));
+        format!("{place} = {text};")
     };
     let clear = |result: usize| {
-        let outcome = &program.outcomes[result];
-        let (name, length) = (&outcome.name, outcome.length());
-        if stage.is_passed_on(name) {
-            format!("for (var i = 0u; i < {length}u; i++) {{ p_{name}[i] = 0.0f; }}")
-        } else {
-            format!("for (var i = 0u; i < {length}u; i++) {{ {name}[state * {length}u + i] = 0.0f; }}")
-        }
+        let length = program.outcomes[result].length();
+        let place = at(&call.results[result], length, &"i");
+        format!("for (var i = 0u; i < {length}u; i++) {{ {place} = 0.0f; }}")
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };
     let part = |part: usize| {
-        format!("\nfn {}_{part}(state: u32) {{\n{}}}\n", program.symbol, body.part(part, "    "))
+        format!("\nfn {}_{number}_{part}(state: u32) {{\n{}}}\n", program.symbol, body.part(part, "    "))
     };
     (0..layout.parts.len()).map(part).collect()
 }

@@ -115,7 +115,7 @@ fn a_step_with_contact_has_the_bits_of_the_library() {
     let mut functions = Function::OF_CONTACT.to_vec();
     functions.push(Function::ContactStep { sweeps: 3 });
     let output = test("c_contact", &robots::on_ground(), functions, Arithmetic::default(), &SANITIZED);
-    assert_eq!(output, summary(5, true));
+    assert_eq!(output, summary(7, true));
 }
 
 /// A robot whose contacts are unsupported has no such function, and the error names the shape.

@@ -42,10 +42,11 @@ fn every_kernel_has_the_bits_of_the_library() {
 fn a_step_with_contact_has_the_bits_of_the_library() {
     let model = robots::on_ground();
     let mut functions = Function::OF_CONTACT.to_vec();
-    functions.push(Function::ContactStep { sweeps: 3 });
+    let of_three = Function::ContactStep { sweeps: 3 };
+    functions.extend([of_three.clone(), of_three.pullback(), Function::ContactFixedPoint.pullback()]);
     for (name, precision) in [("cuda_contact", Precision::Double), ("cuda_contact_single", Precision::Single)]
     {
-        assert_eq!(on_processor(name, &model, functions.clone(), precision), summary(5, false));
+        assert_eq!(on_processor(name, &model, functions.clone(), precision), summary(9, false));
     }
 }
 

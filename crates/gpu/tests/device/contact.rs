@@ -1,6 +1,6 @@
 //! Steps with contact on the device.
 
-use robot_dynamics::description::Shape;
+use robot_dynamics::description::{LinkShape, Pose, Shape, ShapeRole};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{ContactStep, ContactStepInputs};
@@ -72,6 +72,20 @@ fn quadrupeds_land_as_in_doubles() {
     println!("the largest difference of a coordinate is {worst:e}");
     assert!(worst < 2.0 * H * H * 9.81 + 1e-4, "{worst:e}");
     assert!(pushing > 3 * count, "{pushing}");
+}
+
+/// A step and its pullback agree with the same operations on the processor.
+#[test]
+fn steps_and_their_pullbacks_agree_with_the_library() {
+    let Some(device) = crate::device() else { return };
+    let mut robot = robots::named("two_r.urdf").description().clone();
+    robot.shapes.clear();
+    let tip = robot.links[robot.links.len() - 1].name.clone();
+    let ball = Shape::Sphere { radius: 0.1 };
+    robot.shapes.push(LinkShape::new(tip, ShapeRole::Collision, Pose::IDENTITY, ball));
+    let step = Function::ContactStep { sweeps: 5 };
+    let functions = [step.clone(), step.pullback(), Function::ContactFixedPoint];
+    crate::functions::check(&device, &Model::new(robot).unwrap(), &functions);
 }
 
 /// The same call gives the same bits.

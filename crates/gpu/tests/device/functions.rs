@@ -1,7 +1,8 @@
 //! Every function of generated code.
 
+use robot_dynamics::model::Model;
 use robot_dynamics_generate::{Arithmetic, Precision, Request, Target, generate};
-use robot_dynamics_gpu::Function;
+use robot_dynamics_gpu::{Device, Function};
 use serde_json::Value;
 
 use crate::bounds::{Bounds, inverts_mass};
@@ -25,49 +26,46 @@ fn every_function_agrees_with_the_library() {
         ];
         let functions: Vec<Function> =
             Function::PLAIN.into_iter().chain(of_frames).chain(derivatives).collect();
-        let request = Request::new(Target::Wgsl, functions.clone())
-            .with_arithmetic(Arithmetic::new(Precision::Single))
-            .with_name("robot");
-        let golden = generate(&model, &request).unwrap().file("golden.json").unwrap().text.clone();
-        let golden: Value = serde_json::from_str(&golden).unwrap();
-        let mut batches = device.compile::<f32>(&model, &functions).unwrap();
-        let mut worst = 0.0_f64;
-        for function in &functions {
-            let values = &golden[function.symbol()];
-            let table = |name: &str| -> Vec<f32> {
-                let rows = values[name].as_array().unwrap_or_else(|| panic!("{function}: {name}"));
-                let numbers = rows.iter().flat_map(|row| row.as_array().unwrap());
-                #[allow(clippy::cast_possible_truncation)] // they are singles
-                numbers.map(|x| x.as_f64().unwrap() as f32).collect()
-            };
-            let inputs: Vec<Vec<f32>> = function.reads(&model).iter().map(|x| table(x.name)).collect();
-            let expected: Vec<Vec<f32>> =
-                function.writes(&model).iter().map(|x| table(&format!("-> {}", x.name))).collect();
-            let mut found: Vec<Vec<f32>> = expected.iter().map(|x| vec![f32::NAN; x.len()]).collect();
-            let given: Vec<&[f32]> = inputs.iter().map(Vec::as_slice).collect();
-            let mut asked: Vec<&mut [f32]> = found.iter_mut().map(Vec::as_mut_slice).collect();
-            batches.compute(function, &given, &mut asked).unwrap();
-            let condition = condition(&model, function, &inputs);
-            for (found, expected) in found.iter().zip(&expected) {
-                let size = expected.iter().fold(1.0_f64, |most, x| most.max(f64::from(x.abs())));
-                let allowed = 4.0 * model.nv() as f64 * f64::from(f32::EPSILON) * condition * size;
-                for (x, y) in found.iter().zip(expected) {
-                    let off = f64::from((x - y).abs());
-                    assert!(
-                        off <= allowed,
-                        "{function} of {}: {x:e}, not {y:e}, to {allowed:e}",
-                        model.name()
-                    );
-                    worst = worst.max(off / allowed);
-                }
+        check(&device, &model, &functions);
+    }
+}
+
+/// Compares functions with the expected values of the generated tests.
+pub(crate) fn check(device: &Device, model: &Model, functions: &[Function]) {
+    let request = Request::new(Target::Wgsl, functions.to_vec())
+        .with_arithmetic(Arithmetic::new(Precision::Single))
+        .with_name("robot");
+    let golden = generate(model, &request).unwrap().file("golden.json").unwrap().text.clone();
+    let golden: Value = serde_json::from_str(&golden).unwrap();
+    let mut batches = device.compile::<f32>(model, functions).unwrap();
+    let mut worst = 0.0_f64;
+    for function in functions {
+        let values = &golden[function.symbol()];
+        let table = |name: &str| -> Vec<f32> {
+            let rows = values[name].as_array().unwrap_or_else(|| panic!("{function}: {name}"));
+            let numbers = rows.iter().flat_map(|row| row.as_array().unwrap());
+            #[allow(clippy::cast_possible_truncation)] // they are singles
+            numbers.map(|x| x.as_f64().unwrap() as f32).collect()
+        };
+        let inputs: Vec<Vec<f32>> = function.reads(model).iter().map(|x| table(x.name)).collect();
+        let expected: Vec<Vec<f32>> =
+            function.writes(model).iter().map(|x| table(&format!("-> {}", x.name))).collect();
+        let mut found: Vec<Vec<f32>> = expected.iter().map(|x| vec![f32::NAN; x.len()]).collect();
+        let given: Vec<&[f32]> = inputs.iter().map(Vec::as_slice).collect();
+        let mut asked: Vec<&mut [f32]> = found.iter_mut().map(Vec::as_mut_slice).collect();
+        batches.compute(function, &given, &mut asked).unwrap();
+        let condition = condition(model, function, &inputs);
+        for (found, expected) in found.iter().zip(&expected) {
+            let size = expected.iter().fold(1.0_f64, |most, x| most.max(f64::from(x.abs())));
+            let allowed = 4.0 * model.nv() as f64 * f64::from(f32::EPSILON) * condition * size;
+            for (x, y) in found.iter().zip(expected) {
+                let off = f64::from((x - y).abs());
+                assert!(off <= allowed, "{function} of {}: {x:e}, not {y:e}, to {allowed:e}", model.name());
+                worst = worst.max(off / allowed);
             }
         }
-        println!(
-            "{}: {} functions, the worst is {worst:e} of what is allowed",
-            model.name(),
-            functions.len()
-        );
     }
+    println!("{}: {} functions, the worst is {worst:e} of what is allowed", model.name(), functions.len());
 }
 
 /// κ² of the worst state if a function inverts M, else 1.

@@ -83,6 +83,16 @@ enum JointRowKind {
     Stop { q: usize, lower: f64, upper: f64 },
 }
 
+impl JointRowKind {
+    /// The count of numbers that follow the row: its mobility and its bounds.
+    const fn numbers(self) -> usize {
+        match self {
+            Self::Friction(_) => 2,
+            Self::Stop { .. } => 3,
+        }
+    }
+}
+
 /// A step with contact of one robot on the ground z = 0; see the module's documentation for its equations.
 ///
 /// The collision shapes of moving links touch the ground: spheres, capsules, boxes, cylinders, ellipsoids.
@@ -170,15 +180,16 @@ impl ContactStep {
 
     /// The count of numbers of the table `problem`, which describes the problem of a step.
     pub fn problem_count(&self) -> usize {
-        let path = |k: usize| 1 + dof_ancestors(&self.dof_parent, k).count();
-        let nv = self.dof_parent.len();
-        let factor: usize = (0..nv).map(path).sum();
+        let path = |k: usize| self.path_length(k);
+        let factor: usize = (0..self.dof_parent.len()).map(path).sum();
         let contacts: usize = self.point_coordinates.iter().map(|&k| 3 * path(k) + 3).sum();
-        let joint = |row: &JointRow| match row.kind {
-            JointRowKind::Friction(_) => path(row.coordinate) + 2,
-            JointRowKind::Stop { .. } => path(row.coordinate) + 3,
-        };
+        let joint = |row: &JointRow| path(row.coordinate) + row.kind.numbers();
         factor + self.joints.iter().map(joint).sum::<usize>() + contacts + 1
+    }
+
+    /// The number of coordinates on the path from k to the root.
+    fn path_length(&self, k: usize) -> usize {
+        1 + dof_ancestors(&self.dof_parent, k).count()
     }
 
     /// Computes a step from (q, v) to `q_next`, `v_next` and the multipliers `impulses`. It does not check
@@ -201,6 +212,7 @@ impl ContactStep {
         let mut velocity = vec![S::zero(); model.nv()];
         self.prepare(model, workspace, inputs, &mut problem, &mut velocity);
         impulses.copy_from_slice(inputs.impulses);
+        self.start(&problem, impulses, &mut velocity);
         for _ in 0..self.sweeps {
             self.sweep(&problem, &mut velocity, impulses);
         }

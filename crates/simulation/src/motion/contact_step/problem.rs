@@ -56,7 +56,8 @@ impl<S: Scalar> ScaledFactor<'_, S> {
 }
 
 impl ContactStep {
-    /// The problem of a step, and √D L v of the velocity that the given multipliers lead to.
+    /// The problem of a step, and √D L v of the velocity without multipliers. It does not read the
+    /// multipliers of the inputs.
     ///
     /// # Panics
     /// If a slice has the wrong length, or the step belongs to another robot.
@@ -73,7 +74,6 @@ impl ContactStep {
         check_length("q", inputs.q.len(), model.nq());
         check_length("v", inputs.v.len(), model.nv());
         check_length("tau", inputs.tau.len(), model.nv());
-        check_length("the multipliers", inputs.impulses.len(), self.impulse_count());
         check_length("the problem", problem.len(), self.problem_count());
         let factor = self.factor(model, workspace, inputs);
         self.free_velocity(model, workspace, inputs, &factor, velocity);
@@ -82,25 +82,16 @@ impl ContactStep {
             numbers.push(factor.inverse_roots[k]);
             numbers.extend(dof_ancestors(&self.dof_parent, k).map(|i| factor.entry(k, i)));
         }
-        let (contact_impulses, joint_impulses) = inputs.impulses.split_at(3 * self.point_coordinates.len());
-        let mut add = |k: usize, row: &[S], impulse: S| {
-            let path = core::iter::once(k).chain(dof_ancestors(&self.dof_parent, k));
-            path.zip(row).for_each(|(i, &x)| velocity[i] += x * impulse);
-        };
-        for (row, &impulse) in self.joints.iter().zip(joint_impulses) {
+        for row in &self.joints {
             let mut unit = vec![S::zero(); model.nv()];
             unit[row.coordinate] = S::one();
             let x = factor.divided(row.coordinate, unit);
-            add(row.coordinate, &x, impulse);
             self.push_joint(inputs, row.kind, &x, &mut numbers);
         }
         let mut points = Vec::new();
         self.shapes.iter().for_each(|shape| shape.add_rows(model, workspace, inputs.q, &mut points));
-        for ((point, &k), impulses) in
-            points.into_iter().zip(&self.point_coordinates).zip(contact_impulses.chunks(3))
-        {
+        for (point, &k) in points.into_iter().zip(&self.point_coordinates) {
             let rows = point.rows.map(|row| factor.divided(k, row));
-            rows.iter().zip(impulses).for_each(|(row, &impulse)| add(k, row, impulse));
             self.push_contact(inputs.h, point.gap, &rows, &mut numbers);
         }
         numbers.push(inputs.friction);

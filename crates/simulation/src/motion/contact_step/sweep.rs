@@ -35,6 +35,27 @@ impl<S: Scalar> Row<'_, S> {
 }
 
 impl ContactStep {
+    /// Adds the effect of the given multipliers to the velocity √D L v.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    #[track_caller]
+    pub fn start<S: Scalar>(&self, problem: &[S], impulses: &[S], velocity: &mut [S]) {
+        self.check(problem, velocity, impulses);
+        let mut reader = self.rows_of(problem);
+        let (contacts, joints) = impulses.split_at(3 * self.point_coordinates.len());
+        for (joint, &impulse) in self.joints.iter().zip(joints) {
+            self.row(&mut reader, joint.coordinate).push(velocity, impulse);
+            reader.many(joint.kind.numbers());
+        }
+        for (&k, impulses) in self.point_coordinates.iter().zip(contacts.chunks(3)) {
+            for &impulse in impulses {
+                self.row(&mut reader, k).push(velocity, impulse);
+            }
+            reader.many(3);
+        }
+    }
+
     /// One sweep over the rows of joints, then over the contacts. It updates the velocity √D L v and the
     /// multipliers.
     ///
@@ -42,18 +63,12 @@ impl ContactStep {
     /// If a slice has the wrong length.
     #[track_caller]
     pub fn sweep<S: Scalar>(&self, problem: &[S], velocity: &mut [S], impulses: &mut [S]) {
-        check_length("the problem", problem.len(), self.problem_count());
-        check_length("the velocity", velocity.len(), self.dof_parent.len());
-        check_length("the multipliers", impulses.len(), self.impulse_count());
-        let mut reader = Reader::new(problem);
-        let length = |k: usize| 1 + dof_ancestors(&self.dof_parent, k).count();
-        // The factor comes first.
-        reader.many((0..velocity.len()).map(length).sum());
+        self.check(problem, velocity, impulses);
+        let mut reader = self.rows_of(problem);
         let friction = problem[problem.len() - 1];
         let (contacts, joints) = impulses.split_at_mut(3 * self.point_coordinates.len());
         for (joint, impulse) in self.joints.iter().zip(joints) {
-            let k = joint.coordinate;
-            let row = Row { dof_parent: &self.dof_parent, coordinate: k, entries: reader.many(length(k)) };
+            let row = self.row(&mut reader, joint.coordinate);
             let mobility = reader.one();
             let speed = row.speed(velocity);
             let next = match joint.kind {
@@ -69,8 +84,7 @@ impl ContactStep {
             *impulse = next;
         }
         for (&k, impulse) in self.point_coordinates.iter().zip(contacts.chunks_mut(3)) {
-            let mut row =
-                || Row { dof_parent: &self.dof_parent, coordinate: k, entries: reader.many(length(k)) };
+            let mut row = || self.row(&mut reader, k);
             let rows = [row(), row(), row()];
             let [by_normal, by_tangent, bound] = [reader.one(), reader.one(), reader.one()];
             let next = positive_part(impulse[0] - (rows[0].speed(velocity) - bound) * by_normal);
@@ -87,6 +101,27 @@ impl ContactStep {
                 impulse[i] = next;
             }
         }
+    }
+}
+
+impl ContactStep {
+    #[track_caller]
+    fn check<S>(&self, problem: &[S], velocity: &[S], impulses: &[S]) {
+        check_length("the problem", problem.len(), self.problem_count());
+        check_length("the velocity", velocity.len(), self.dof_parent.len());
+        check_length("the multipliers", impulses.len(), self.impulse_count());
+    }
+
+    /// The rows of a problem, which follow the factor.
+    fn rows_of<'a, S: Scalar>(&self, problem: &'a [S]) -> Reader<'a, S> {
+        let mut reader = Reader::new(problem);
+        reader.many((0..self.dof_parent.len()).map(|k| self.path_length(k)).sum());
+        reader
+    }
+
+    /// The next row, whose last coordinate is k.
+    fn row<'a, S: Scalar>(&'a self, reader: &mut Reader<'a, S>, k: usize) -> Row<'a, S> {
+        Row { dof_parent: &self.dof_parent, coordinate: k, entries: reader.many(self.path_length(k)) }
     }
 }
 
