@@ -44,6 +44,10 @@ _JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
+# Arrays of numpy, or addresses of a device and counts of numbers.
+_Memory: TypeAlias = Sequence[object]
+# Names and shapes of tables.
+_Tables: TypeAlias = list[tuple[str, list[int]]]
 '''
 
 # Types of arguments by name; all others are arrays of numbers.
@@ -185,6 +189,13 @@ ARGUMENTS = {
     "gain": "float",
     "dt": "float",
     "starts": "Sequence[Numbers]",
+    "ordinal": "int",
+    "compiler": "_Path | None",
+    "inputs": "_Memory",
+    "outputs": "_Memory",
+    "held": "_Memory",
+    "stream": "int",
+    "columns": "bool",
 }
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
@@ -297,6 +308,7 @@ OF_CALL = {
     ("_operational_space", "v"): "Numbers | None",
     ("_project", "v"): "Numbers | None",
     ("_rollout", "tau"): "Numbers | None",
+    ("_rollout", "states"): "Sequence[_Memory]",
     ("_rollout_pullback", "parameters"): "bool",
     ("_rollout_pullback", "tau"): "Numbers | None",
     ("_sensor_values", "wrenches"): "Sequence[tuple[str | int, _Three, _Three, _Three, _Three]]",
@@ -315,6 +327,7 @@ OF_CALL = {
 
 # Results that are not arrays of the arguments' type.
 RETURNS = {
+    "_compile": "CudaFunctions",
     "_with_elastic_joint": "tuple[str, list[str]]",
     "_with_motor": "str",
     "_state_row": "NDArray[np.float64]",
@@ -460,6 +473,8 @@ RETURNS = {
     "_xla_handle": "int",
     "_defaults": "_Record",
     "_xla_handlers": "dict[str, object]",
+    "_device_signature": "tuple[_Tables, _Tables]",
+    "_compute": "None",
     "_random_robot": "str",
     "_write_text": "None",
     "_visible": "str",
@@ -479,12 +494,14 @@ RETURNS = {
 # Properties of classes that this script does not create. Those of a robot are inspected.
 # Results of methods whose name another class has, too.
 RETURNS_OF = {
+    ("CudaFunctions", "_rollout"): "None",
     ("Admittance", "step"): "tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]",
     ("SimulationBatch", "_sensors"): "_Array",
     ("SimulationBatch", "_step"): "None",
 }
 
 PROPERTIES = {
+    "name": "str",
     "collision": "int | None",
     "displacement": "NDArray[np.float64]",
     "external_torque": "NDArray[np.float64]",

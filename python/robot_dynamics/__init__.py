@@ -35,7 +35,7 @@ from robot_dynamics._native import (
     num_threads,
     set_num_threads,
 )
-from robot_dynamics import optimal, whole_body
+from robot_dynamics import gpu, optimal, whole_body
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
@@ -49,6 +49,7 @@ from robot_dynamics.errors import (
     ConstraintError,
     ControlError,
     DescriptionError,
+    DeviceError,
     DTypeError,
     FrameError,
     GenerateError,
@@ -113,6 +114,7 @@ __all__ = [
     "Coupling",
     "DTypeError",
     "DescriptionError",
+    "DeviceError",
     "DissipationPullback",
     "Delayed",
     "Dlqr",
@@ -195,6 +197,7 @@ __all__ = [
     "Winding",
     "dlqr",
     "example",
+    "gpu",
     "load",
     "loads",
     "num_threads",

@@ -23,13 +23,20 @@ _JointWords: TypeAlias = tuple[str, _Three, _Three, float]
 _Record: TypeAlias = dict[str, Any]
 # States and controls by node.
 _Rows: TypeAlias = tuple[Sequence[object] | None, Sequence[object] | None]
+# Arrays of numpy, or addresses of a device and counts of numbers.
+_Memory: TypeAlias = Sequence[object]
+# Names and shapes of tables.
+_Tables: TypeAlias = list[tuple[str, list[int]]]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'CpuFunctions', 'CudaDevice', 'CudaFunctions', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_device_signature', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
 def _defaults() -> _Record:
     """The default values of options that the Rust library defines."""
+
+def _device_signature(robot: Robot, name: str) -> tuple[_Tables, _Tables]:
+    """The tables that a function reads and writes: name and shape of each."""
 
 def _html(text: str) -> str:
     """The text escaped for HTML, between tags or in an attribute."""
@@ -345,6 +352,35 @@ class ControlAllocation:
             Current [A], voltage [V], power that the motor takes [W], and the part of it that heats the
             winding [W]; NaN for an actuator without a motor.
         """
+
+@final
+class CpuFunctions:
+    """Functions of a robot on this processor, with the arguments and results of those of a device."""
+    def __new__(cls, robot: Robot, functions: Sequence[str], single: bool) -> Self: ...
+    def _compute(self, name: str, inputs: _Memory, outputs: _Memory) -> None:
+        """Computes a function on arrays of numpy, which are contiguous and of the compiled type."""
+    def _xla_handle(self) -> int:
+        """The number by which programs of XLA call these functions. They stay in memory from now on."""
+
+@final
+class CudaDevice:
+    """A CUDA device."""
+    def __new__(cls, ordinal: int, compiler: _Path | None = None) -> Self: ...
+    def _compile(self, robot: Robot, functions: Sequence[str], single: bool) -> CudaFunctions:
+        """Compiles functions of a robot."""
+    @property
+    def name(self) -> str:
+        """Name of the device."""
+
+@final
+class CudaFunctions:
+    """Functions of a robot that are compiled for a CUDA device."""
+    def _compute(self, name: str, inputs: _Memory, outputs: _Memory, stream: int, columns: bool) -> None:
+        """Computes a function on memory of the device: addresses, and their counts of numbers."""
+    def _rollout(self, name: str, steps: int, states: Sequence[_Memory], held: _Memory, outputs: _Memory, stream: int, columns: bool) -> None:
+        """Computes steps in places for states."""
+    def _xla_handle(self) -> int:
+        """The number by which programs of XLA call these functions. They stay in memory from now on."""
 
 @final
 class Delayed:

@@ -143,6 +143,10 @@ class GenerateError(RobotDynamicsError, ValueError):
     """Code for a robot cannot be generated, or the generated code does not compile."""
 
 
+class DeviceError(RobotDynamicsError, RuntimeError):
+    """A device is missing, cannot compile a function or failed, or an array is not on it."""
+
+
 class ColumnError(RobotDynamicsError, ValueError):
     """A table lacks required columns, or they have the wrong type."""
 

@@ -74,7 +74,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("generate", &["expression", "functions", "number", "robot-dynamics", "thiserror"]),
-    ("gpu", &["bytemuck", "cudarc", "generate", "number", "robot-dynamics", "thiserror", "wgpu"]),
+    ("gpu", &["bytemuck", "cudarc", "generate", "libloading", "number", "robot-dynamics", "thiserror", "wgpu"]),
 ];
 
 /// The folders of libraries: the rows above whose folder exists.
@@ -91,6 +91,7 @@ pub(crate) const OWNED: &[(&str, &str)] = &[
     ("clap", "cli"),
     ("cudarc", "gpu"),
     ("encoding_rs", "xml"),
+    ("libloading", "gpu"),
     ("plotters", "cli"),
     ("roxmltree", "xml"),
     ("wasm-bindgen", "wasm"),

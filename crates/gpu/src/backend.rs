@@ -10,11 +10,11 @@ use robot_dynamics_generate::{GeneratedFiles, Precision, Target};
 use crate::DeviceError;
 
 /// A device.
-pub(crate) trait Backend: Send + Sync + Sized {
+pub(crate) trait Backend: Send + Sync + Sized + 'static {
     /// Memory of the device.
-    type Buffer: Send;
+    type Buffer: Send + Sync + 'static;
     /// A compiled function.
-    type Kernel: Send;
+    type Kernel: Send + Sync;
     /// A kernel with its tables, for a number of states.
     type Launch: Send;
 
@@ -58,6 +58,12 @@ pub(crate) trait Backend: Send + Sync + Sized {
     /// Submits commands, each executed after those before it.
     fn submit(&self, commands: &[Command<'_, Self>]) -> Result<(), DeviceError>;
 
+    /// Runs a kernel on memory and on a stream of the caller.
+    #[cfg(feature = "cuda")]
+    fn run_on(&self, _: &Self::Kernel, _: &CallerMemory<'_>) -> Result<(), DeviceError> {
+        Err(DeviceError::NoPointers { device: self.name().into() })
+    }
+
     /// Waits until all commands are done.
     fn wait(&self) -> Result<(), DeviceError>;
 }
@@ -67,6 +73,17 @@ pub(crate) trait Backend: Send + Sync + Sized {
 pub(crate) struct TableCounts {
     pub(crate) reads: usize,
     pub(crate) writes: usize,
+}
+
+/// The tables of a kernel in memory of the caller, and the stream that runs it.
+#[cfg(feature = "cuda")]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CallerMemory<'a> {
+    pub(crate) stream: cuda::CallerStream,
+    pub(crate) tables: &'a [cuda::DevicePointer],
+    pub(crate) states: usize,
+    /// Whether one number of all states lies side by side, instead of all numbers of one state.
+    pub(crate) by_columns: bool,
 }
 
 /// A command.

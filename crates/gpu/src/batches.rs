@@ -60,6 +60,15 @@ impl<T> Batches<T> {
         Self { engine }
     }
 
+    #[cfg(feature = "cuda")]
+    pub(crate) fn engine(&self) -> &dyn Engine<T> {
+        &*self.engine
+    }
+
+    pub(crate) fn engine_mut(&mut self) -> &mut dyn Engine<T> {
+        &mut *self.engine
+    }
+
     /// The compiled functions.
     pub fn functions(&self) -> Vec<&Function> {
         self.engine.functions()

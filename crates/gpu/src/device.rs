@@ -5,8 +5,9 @@ use std::sync::Arc;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::Function;
 
+use crate::backend::Backend;
 use crate::machine::Machine;
-use crate::{Batches, DeviceError, DeviceFloat, Limits};
+use crate::{Batches, DeviceArray, DeviceError, DeviceFloat, Limits};
 
 /// A device that computes batches.
 #[derive(Clone)]
@@ -76,12 +77,34 @@ impl Device {
     /// [`DeviceError::NoCuda`] if the card, the driver or the run-time compiler is missing.
     #[cfg(feature = "cuda")]
     pub fn open_cuda(ordinal: usize, limits: Limits) -> Result<Self, DeviceError> {
-        Ok(Self(AnyBackend::Cuda(Arc::new(crate::backend::cuda::Cuda::open(ordinal, limits)?))))
+        Ok(Self(AnyBackend::Cuda(Arc::new(crate::backend::cuda::Cuda::open(ordinal, limits, None)?))))
+    }
+
+    /// Opens a CUDA device with the library of the run-time compiler NVRTC at this path.
+    ///
+    /// [`Device::open_cuda`] takes the path of the environment variable `ROBOT_DYNAMICS_NVRTC`, or searches
+    /// for libraries of CUDA 13 to 11.2.
+    ///
+    /// ```
+    /// # use robot_dynamics_gpu::{Device, Limits};
+    /// let none = Device::open_cuda_with_compiler(0, Limits::default(), "no-such-library.so");
+    /// assert!(none.is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Device::open_cuda`].
+    #[cfg(feature = "cuda")]
+    pub fn open_cuda_with_compiler(
+        ordinal: usize,
+        limits: Limits,
+        compiler: impl AsRef<std::path::Path>,
+    ) -> Result<Self, DeviceError> {
+        let cuda = crate::backend::cuda::Cuda::open(ordinal, limits, Some(compiler.as_ref()))?;
+        Ok(Self(AnyBackend::Cuda(Arc::new(cuda))))
     }
 
     /// Its name, and the interface that drives it.
     pub fn name(&self) -> &str {
-        use crate::backend::Backend;
         with!(self, backend => backend.name())
     }
 
@@ -115,6 +138,23 @@ impl Device {
         with!(self, backend => {
             Ok(Batches::new(Box::new(Machine::new(Arc::clone(backend), model, functions)?)))
         })
+    }
+
+    /// Copies numbers to new memory of the device.
+    ///
+    /// ```
+    /// # use robot_dynamics_gpu::Device;
+    /// # let Ok(device) = Device::open() else { return Ok(()) }; // no device
+    /// let (array, mut back) = (device.array(&[1.0_f32, 2.0])?, [0.0; 2]);
+    /// array.read(&mut back)?;
+    /// assert_eq!(back, [1.0, 2.0]);
+    /// # Ok::<(), robot_dynamics_gpu::DeviceError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DeviceError::Failed`] if the device has no memory left, or was lost.
+    pub fn array<T: DeviceFloat>(&self, numbers: &[T]) -> Result<DeviceArray<T>, DeviceError> {
+        with!(self, backend => DeviceArray::new(backend, numbers))
     }
 }
 

@@ -21,8 +21,8 @@ pub enum DeviceError {
     },
     /// CUDA finds no device.
     #[error(
-        "no CUDA device: {cause}; CUDA needs an NVIDIA card, its driver (libcuda) and the run-time compiler of the CUDA \
-         toolkit (libnvrtc) in the search path for libraries"
+        "no CUDA device: {cause}; CUDA needs an NVIDIA card, its driver (libcuda) and the run-time compiler NVRTC \
+         (libnvrtc of the CUDA toolkit, or of NVIDIA's wheel nvidia-cuda-nvrtc)"
     )]
     NoCuda {
         /// The missing component.
@@ -66,6 +66,20 @@ pub enum DeviceError {
         function: String,
         /// The compiled functions.
         compiled: String,
+    },
+    /// The device does not compute on memory of the caller.
+    #[error("`{device}` does not compute on memory of the caller: open a CUDA device")]
+    NoPointers {
+        /// The device.
+        device: String,
+    },
+    /// A table in memory of the caller does not fit the function.
+    #[error("`{function}`: {cause}")]
+    Tables {
+        /// The function.
+        function: String,
+        /// The table, and what it must be.
+        cause: String,
     },
     /// One state is larger than the largest table of the device.
     #[error("one state of `{function}` needs a table of {bytes} bytes, but `{device}` supports {most}")]
@@ -132,7 +146,9 @@ impl Classified for DeviceError {
             | Self::Refused { .. }
             | Self::Failed { .. } => ErrorKind::System,
             Self::NotCompiled { .. } => ErrorKind::UnknownName,
+            Self::Tables { .. } => ErrorKind::InvalidInput,
             Self::NoDoubles { .. }
+            | Self::NoPointers { .. }
             | Self::TooLarge { .. }
             | Self::NoStep { .. }
             | Self::Policy

@@ -44,19 +44,39 @@ mod robot;
 mod backend;
 mod limits;
 
+// data on a device,
+mod device_array;
+#[cfg(feature = "cuda")]
+mod pointer_calls;
+
 // functions and rollouts on any device,
+mod compilation;
 mod machine;
 mod rollout;
+
+// the same on arrays of the device,
+mod array_calls;
+mod step_tables;
+
+// on memory of the caller,
+#[cfg(feature = "cuda")]
+mod caller_memory;
 
 // and the public interface.
 mod batches;
 mod device;
 
+#[cfg(feature = "cuda")]
+pub use backend::cuda::{CallerStream, DevicePointer};
 pub use batches::Batches;
+#[cfg(feature = "cuda")]
 pub use device::Device;
+pub use device_array::DeviceArray;
 pub use error::DeviceError;
 pub use float::DeviceFloat;
 pub use limits::Limits;
+#[cfg(feature = "cuda")]
+pub use pointer_calls::{DeviceRollout, TableOrder};
 pub use robot_dynamics::batch::{
     BadStates, Rollout, RolloutError, RolloutObserver, RolloutProgress, RolloutStates, Torques,
 };

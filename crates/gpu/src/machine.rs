@@ -6,14 +6,15 @@ use std::sync::Arc;
 use robot_dynamics::batch::{BadStates, RolloutObserver, RolloutStates, Torques};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics::model::Model;
-use robot_dynamics_generate::{Arithmetic, Function, Request, Table, generate};
+use robot_dynamics_generate::{Function, Table};
 
-use crate::backend::{Backend, Command, TableCounts};
+use crate::backend::{Backend, Command};
+use crate::compilation::{CompiledFunction, compile, in_parallel};
 use crate::robot::{RobotConstants, mark_not_finite, marked_states};
-use crate::{DeviceError, DeviceFloat};
+use crate::{DeviceArray, DeviceError, DeviceFloat};
 
 /// The interface of batches, for any device.
-pub(crate) trait Engine<T>: Send {
+pub(crate) trait Engine<T>: Send + Sync {
     fn functions(&self) -> Vec<&Function>;
 
     fn compute(
@@ -30,14 +31,27 @@ pub(crate) trait Engine<T>: Send {
         buffers: RolloutStates<'_, T>,
         progress: RolloutObserver<'_>,
     ) -> Result<(), DeviceError>;
-}
 
-/// A compiled function, and the tables that it reads and writes.
-pub(crate) struct CompiledFunction<K> {
-    pub(crate) function: Function,
-    pub(crate) reads: Vec<Table>,
-    pub(crate) writes: Vec<Table>,
-    pub(crate) kernel: K,
+    fn compute_arrays(
+        &mut self,
+        function: &Function,
+        inputs: &[&DeviceArray<T>],
+        outputs: &[&DeviceArray<T>],
+    ) -> Result<(), DeviceError>;
+
+    fn rollout_arrays(
+        &mut self,
+        function: &Function,
+        steps: usize,
+        states: &[&DeviceArray<T>],
+        held: &[&DeviceArray<T>],
+    ) -> Result<(), DeviceError>;
+
+    #[cfg(feature = "cuda")]
+    fn compute_on(&self, call: &crate::pointer_calls::Call<'_>) -> Result<(), DeviceError>;
+
+    #[cfg(feature = "cuda")]
+    fn rollout_on(&self, rollout: &crate::pointer_calls::DeviceRollout<'_>) -> Result<(), DeviceError>;
 }
 
 /// One robot's functions on one device: the implementation of [`Engine`].
@@ -47,7 +61,7 @@ pub(crate) struct Machine<B: Backend, T> {
     functions: Vec<CompiledFunction<B::Kernel>>,
     /// Buffers of earlier calls, with their sizes in bytes.
     memory: Vec<(usize, B::Buffer)>,
-    of: PhantomData<T>,
+    of: PhantomData<fn(T) -> T>,
 }
 
 impl<B: Backend, T: DeviceFloat> Machine<B, T> {
@@ -55,26 +69,8 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         if !backend.has(T::PRECISION) {
             return Err(DeviceError::NoDoubles { device: backend.name().into() });
         }
-        let mut request = Request::new(B::TARGET, functions.to_vec())
-            .with_arithmetic(Arithmetic::new(T::PRECISION))
-            .with_name("robot");
-        // The expected values of generated tests are not used here.
-        request.states = 1;
-        let generated = generate(model, &request)?;
-        let compile = |function: &Function| {
-            let (reads, writes) = (function.reads(model), function.writes(model));
-            let tables = TableCounts { reads: reads.len(), writes: writes.len() };
-            let kernel = backend.compile(&generated, &function.symbol(), tables).map_err(|cause| {
-                DeviceError::Refused {
-                    device: backend.name().into(),
-                    function: function.to_string(),
-                    robot: model.name().into(),
-                    cause,
-                }
-            })?;
-            Ok(CompiledFunction { function: function.clone(), reads, writes, kernel })
-        };
-        let functions = functions.iter().map(compile).collect::<Result<_, DeviceError>>()?;
+        let compile = |function: &Function| compile(&*backend, model, T::PRECISION, function);
+        let functions = in_parallel(functions, compile)?;
         Ok(Self {
             backend,
             robot: RobotConstants::new(model),
@@ -196,6 +192,35 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
         progress: RolloutObserver<'_>,
     ) -> Result<(), DeviceError> {
         self.roll_out(rollout, torques, buffers, progress)
+    }
+
+    fn compute_arrays(
+        &mut self,
+        function: &Function,
+        inputs: &[&DeviceArray<T>],
+        outputs: &[&DeviceArray<T>],
+    ) -> Result<(), DeviceError> {
+        self.run_arrays(function, inputs, outputs)
+    }
+
+    fn rollout_arrays(
+        &mut self,
+        function: &Function,
+        steps: usize,
+        states: &[&DeviceArray<T>],
+        held: &[&DeviceArray<T>],
+    ) -> Result<(), DeviceError> {
+        self.roll_out_arrays(function, steps, states, held)
+    }
+
+    #[cfg(feature = "cuda")]
+    fn compute_on(&self, call: &crate::pointer_calls::Call<'_>) -> Result<(), DeviceError> {
+        self.run_call(call)
+    }
+
+    #[cfg(feature = "cuda")]
+    fn rollout_on(&self, rollout: &crate::pointer_calls::DeviceRollout<'_>) -> Result<(), DeviceError> {
+        self.run_rollout(rollout)
     }
 }
 

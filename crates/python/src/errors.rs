@@ -19,6 +19,7 @@ use robot_dynamics::simulation::{ControllerError, RunError, SimulationError, Ste
 use robot_dynamics::text::lines;
 use robot_dynamics::{Classified, ErrorKind, FileError};
 use robot_dynamics_generate::GenerateError;
+use robot_dynamics_gpu::DeviceError;
 
 /// The exception of an error of the library, of the class that [`Class::of`] gives.
 #[cold]
@@ -52,6 +53,7 @@ pub(crate) enum Class {
     Identification,
     Description,
     Generate,
+    Device,
 }
 
 impl Class {
@@ -77,6 +79,7 @@ impl Class {
             (TypeId::of::<InertiaError>(), Self::Description),
             (TypeId::of::<FileError>(), Self::Load),
             (TypeId::of::<GenerateError>(), Self::Generate),
+            (TypeId::of::<DeviceError>(), Self::Device),
         ];
         let subject = subjects.into_iter().find(|(own, _)| *own == TypeId::of::<E>()).map(|(_, class)| class);
         match (subject, error.kind()) {
@@ -84,6 +87,7 @@ impl Class {
                 Some(Self::Simulation),
                 ErrorKind::InvalidInput | ErrorKind::UnknownName | ErrorKind::Unsupported,
             ) => Self::SimulationInput,
+            (Some(Self::Device), ErrorKind::InvalidInput) => Self::Shape,
             (Some(class), _) => class,
             (None, ErrorKind::File) => Self::Load,
             (None, ErrorKind::Description | ErrorKind::Unsupported) => Self::Description,
@@ -113,6 +117,7 @@ impl Class {
             Self::Identification => "IdentificationError",
             Self::Description => "DescriptionError",
             Self::Generate => "GenerateError",
+            Self::Device => "DeviceError",
         }
     }
 

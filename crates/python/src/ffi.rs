@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code)]
 
+pub(crate) mod device;
 pub(crate) mod handlers;
 pub(crate) mod xla;
 
@@ -138,31 +139,56 @@ pub(crate) fn slices<'a, T: ArrayNumber>(
     read: &[Array<'a>; MOST_OPERANDS],
     written: &[Array<'a>; MOST_RESULTS],
 ) -> Option<Slices<'a, T>> {
+    are_slices::<T>(read, written).then(|| {
+        // SAFETY: each array is a slice of this type, and a written one overlaps nothing else here.
+        unsafe {
+            (
+                read.each_ref().map(|array| array.shared::<T>()),
+                written.each_ref().map(|array| array.exclusive::<T>()),
+            )
+        }
+    })
+}
+
+/// Whether all arrays are slices of T, and those to write are writeable and overlap no other.
+fn are_slices<T: ArrayNumber>(read: &[Array<'_>], written: &[Array<'_>]) -> bool {
     if !read.iter().chain(written).all(Array::is_slice_of::<T>)
         || !written.iter().all(|array| array.is_writeable)
     {
-        return None;
+        return false;
     }
     // An empty array overlaps nothing.
-    for (k, array) in written.iter().enumerate().filter(|(_, array)| array.len > 0) {
+    written.iter().enumerate().filter(|(_, array)| array.len > 0).all(|(k, array)| {
         let own = array.addresses::<T>();
         let mut others = read.iter().chain(&written[..k]).map(Array::addresses::<T>);
-        if others.any(|other| own.start < other.end && other.start < own.end) {
-            return None;
+        !others.any(|other| own.start < other.end && other.start < own.end)
+    })
+}
+
+impl<'a> Array<'a> {
+    /// Its numbers.
+    ///
+    /// # Safety
+    /// The array is a slice of T.
+    unsafe fn shared<T>(&self) -> &'a [T] {
+        // SAFETY: the array is contiguous, aligned and of this type, so its memory is `len` numbers; the
+        // pointer of an empty array is not used. The memory is valid as long as the `Bound` that the array
+        // was read from.
+        match self.len {
+            0 => &[],
+            len => unsafe { core::slice::from_raw_parts(self.data.cast::<T>().cast_const(), len) },
         }
     }
-    // SAFETY: each array is contiguous, aligned and of this type, so its memory is `len` numbers; the pointer
-    // of an empty array is not used. The memory is valid as long as the `Bound` that the array was read from.
-    // A written array overlaps nothing else here; other threads keep to the rule above.
-    unsafe {
-        let reading = read.each_ref().map(|array| match array.len {
-            0 => &[][..],
-            len => core::slice::from_raw_parts(array.data.cast::<T>().cast_const(), len),
-        });
-        let writing = written.each_ref().map(|array| match array.len {
-            0 => &mut [][..],
-            len => core::slice::from_raw_parts_mut(array.data.cast::<T>(), len),
-        });
-        Some((reading, writing))
+
+    /// Its numbers, to write.
+    ///
+    /// # Safety
+    /// The array is a slice of T, and no other slice overlaps it; other threads keep to the rule above.
+    unsafe fn exclusive<T>(&self) -> &'a mut [T] {
+        // SAFETY: as in `shared`.
+        match self.len {
+            0 => &mut [],
+            len => unsafe { core::slice::from_raw_parts_mut(self.data.cast::<T>(), len) },
+        }
     }
 }

@@ -53,6 +53,7 @@ mod controllers;
 mod conventions;
 mod defaults;
 mod description;
+mod device;
 mod edits;
 mod files;
 mod fluid;
@@ -104,6 +105,8 @@ mod native {
     use super::defaults::_defaults;
     #[pymodule_export]
     use super::description::JointMap;
+    #[pymodule_export]
+    use super::device::{CpuFunctions, CudaDevice, CudaFunctions, _device_signature};
     #[pymodule_export]
     use super::files::{_html, _random_robot, _visible, _write_text};
     #[pymodule_export]

@@ -83,6 +83,8 @@ call_p.multiple_results = linear_p.multiple_results = True
 @cache
 def _register() -> None:
     for name, handler in _native._xla_handlers().items():
+        if name.endswith("_function"):
+            continue  # `robot_dynamics.gpu.xla` registers these, each for its kind of device.
         jax.ffi.register_ffi_target(name, handler, platform="cpu")
 
 

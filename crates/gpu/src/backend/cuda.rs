@@ -3,17 +3,22 @@
 //! The tests of `generate` compile the same code as C++ and compare it with the library's bits; this module
 //! adds the access to the device. The libraries are loaded when a device is opened.
 
+mod cache;
+mod compiler;
 mod ffi;
 mod launch;
 
+use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaStream, DriverError};
-use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
+use cudarc::driver::{CudaContext, CudaFunction, CudaStream, DriverError};
+use cudarc::nvrtc::Ptx;
 use robot_dynamics_generate::{GeneratedFiles, Precision, Target};
 
+use self::compiler::Compiler;
+pub use self::ffi::{CallerStream, DevicePointer};
 use self::launch::{Buffer, Launch, locked};
-use super::{Backend, Command, TableCounts};
+use super::{Backend, CallerMemory, Command, TableCounts};
 use crate::{DeviceError, Limits};
 
 /// The default limit on the bytes of a table.
@@ -28,8 +33,7 @@ pub(crate) struct Cuda {
     context: Arc<CudaContext>,
     stream: Arc<CudaStream>,
     limits: Limits,
-    /// The last compiled module, and its text: all functions of a robot are one module.
-    module: Mutex<Option<(String, Arc<CudaModule>)>>,
+    compiler: Compiler,
 }
 
 /// A kernel, and the number of its tables.
@@ -39,43 +43,24 @@ pub(crate) struct Kernel {
 }
 
 impl Cuda {
+    /// Opens a device, with the run-time compiler at this path or where the system finds it.
+    ///
     /// # Errors
     /// [`DeviceError::NoCuda`].
-    pub(crate) fn open(ordinal: usize, limits: Limits) -> Result<Self, DeviceError> {
-        ffi::find_libraries().map_err(|cause| DeviceError::NoCuda { cause })?;
+    pub(crate) fn open(ordinal: usize, limits: Limits, compiler: Option<&Path>) -> Result<Self, DeviceError> {
+        ffi::find_driver().map_err(|cause| DeviceError::NoCuda { cause })?;
         let none = |error: DriverError| DeviceError::NoCuda { cause: format!("device {ordinal}: {error}") };
         let context = CudaContext::new(ordinal).map_err(none)?;
         let (major, minor) = context.compute_capability().map_err(none)?;
+        let compiler = Compiler::find(compiler, 10 * major + minor);
+        let compiler = compiler.map_err(|cause| DeviceError::NoCuda { cause })?;
         let name = format!("{}, CUDA {major}.{minor}", context.name().map_err(none)?);
         let stream = context.default_stream();
-        Ok(Self { name, context, stream, limits, module: Mutex::new(None) })
+        Ok(Self { name, context, stream, limits, compiler })
     }
 
     fn failed(&self, error: &impl ToString) -> DeviceError {
         DeviceError::Failed { device: self.name.clone(), cause: error.to_string() }
-    }
-
-    /// The module of this text.
-    fn module(&self, text: &str) -> Result<Arc<CudaModule>, String> {
-        let mut last = locked(&self.module);
-        if let Some((there, module)) = &*last
-            && there == text
-        {
-            return Ok(Arc::clone(module));
-        }
-        let message = |error: DriverError| error.to_string();
-        let (major, minor) = self.context.compute_capability().map_err(message)?;
-        let options = CompileOptions {
-            options: vec![format!("--gpu-architecture=compute_{major}{minor}")],
-            ..CompileOptions::default()
-        };
-        let code = compile_ptx_with_opts(text, options).map_err(|error| match error {
-            CompileError::CompileError { log, .. } => log.to_string_lossy().into_owned(),
-            other => format!("{other:?}"),
-        })?;
-        let module = self.context.load_module(code).map_err(message)?;
-        *last = Some((text.to_owned(), Arc::clone(&module)));
-        Ok(module)
     }
 }
 
@@ -110,7 +95,8 @@ impl Backend for Cuda {
         tables: TableCounts,
     ) -> Result<Kernel, String> {
         let file = generated.file("robot.cu").ok_or("no kernels were generated")?;
-        let module = self.module(&file.text)?;
+        let code = Ptx::from_binary(self.compiler.compile(&file.text)?);
+        let module = self.context.load_module(code).map_err(|error| error.to_string())?;
         let function = module.load_function(&format!("robot_{symbol}")).map_err(|error| error.to_string())?;
         Ok(Kernel { function, tables: tables.reads + tables.writes })
     }
@@ -158,6 +144,14 @@ impl Backend for Cuda {
             done.map_err(|error| self.failed(&error))?;
         }
         Ok(())
+    }
+
+    fn run_on(&self, kernel: &Kernel, memory: &CallerMemory<'_>) -> Result<(), DeviceError> {
+        let CallerMemory { stream, tables, states, by_columns } = *memory;
+        assert!(tables.len() == kernel.tables, "{} tables for a kernel of {}", tables.len(), kernel.tables);
+        let states = u32::try_from(states).expect("a launch has at most 2³⁰ states");
+        ffi::launch_on(&self.context, stream, &kernel.function, tables, states, by_columns)
+            .map_err(|error| self.failed(&error))
     }
 
     fn wait(&self) -> Result<(), DeviceError> {

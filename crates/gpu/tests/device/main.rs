@@ -4,6 +4,7 @@
 //! `cargo xtask test gpu` does. With the value `cuda` they run on a CUDA device.
 #![cfg(feature = "wgpu")]
 
+mod arrays;
 mod bad_states;
 mod bounds;
 mod contact;

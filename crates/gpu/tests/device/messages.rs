@@ -20,6 +20,8 @@ fn errors() {
             cause: "line 3".into(),
         },
         DeviceError::NotCompiled { function: "bias".into(), compiled: "gravity, mass_matrix".into() },
+        DeviceError::NoPointers { device: device() },
+        DeviceError::Tables { function: "bias".into(), cause: "v has 3 numbers, expected 4".into() },
         DeviceError::TooLarge { device: device(), function: "mass_matrix".into(), bytes: 196, most: 100 },
         DeviceError::Failed { device: device(), cause: "out of memory".into() },
         DeviceError::NoStep { integrator: Integrator::VariationalMidpoint },

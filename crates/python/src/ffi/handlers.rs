@@ -17,6 +17,8 @@ macro_rules! handlers {
 }
 
 handlers! {
+    robot_dynamics_cpu_function: crate::device::cpu_call;
+    robot_dynamics_cuda_function: crate::device::cuda_call;
     robot_dynamics_row: crate::xla::row;
     robot_dynamics_rollout: crate::xla::rollout;
     robot_dynamics_rollout_tangent: crate::xla::rollout_tangent;

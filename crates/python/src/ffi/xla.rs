@@ -3,7 +3,6 @@
 mod layout;
 
 use core::ffi::{CStr, c_void};
-use core::marker::PhantomData;
 use core::ptr::{NonNull, null_mut};
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,9 +11,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
 use self::layout::{
-    API_MAJOR, API_MINOR, BUFFER, Buffers, ByteSpan, EXECUTE, ErrorArguments, F32, F64, INTERNAL,
-    INVALID_ARGUMENT, METADATA, MetadataExtension, PRED, RawBuffer, S64, SCALAR, STRING, ScalarValue, U64,
+    API_MAJOR, API_MINOR, Api, BUFFER, Buffers, ByteSpan, DestroyArguments, EXECUTE, ErrorArguments, F32,
+    F64, INTERNAL, INVALID_ARGUMENT, METADATA, MetadataExtension, PRED, RawBuffer, S64, SCALAR, STRING,
+    ScalarValue, StreamArguments, U64,
 };
+use super::device::RawPointer;
 use super::{ArrayNumber, Kind};
 
 pub(crate) use self::layout::{CallFrame, Failure};
@@ -22,7 +23,7 @@ pub(crate) use self::layout::{CallFrame, Failure};
 /// The attributes of a call, and its arrays to read and to write.
 #[derive(Debug)]
 pub(crate) struct XlaCall<'a> {
-    frame: PhantomData<&'a CallFrame>,
+    frame: &'a CallFrame,
     attributes: Vec<(&'a [u8], Attribute<'a>)>,
     arguments: Vec<Buffer<'a>>,
     results: Vec<Buffer<'a>>,
@@ -97,6 +98,40 @@ impl<'a> XlaCall<'a> {
     /// The arrays to write.
     pub(crate) fn results(&self) -> &[Buffer<'a>] {
         &self.results
+    }
+
+    /// The memory of the arrays on a device, to read and to write.
+    pub(crate) fn device_memory(&self) -> (Vec<RawPointer>, Vec<RawPointer>) {
+        let of = |buffers: &[Buffer<'_>]| {
+            buffers.iter().map(|buffer| (buffer.data.addr() as u64, buffer.len)).collect()
+        };
+        (of(&self.arguments), of(&self.results))
+    }
+
+    /// The device's stream that the call belongs to.
+    pub(crate) fn device_stream(&self) -> Result<u64, String> {
+        let mut arguments = StreamArguments {
+            struct_size: size_of::<StreamArguments>(),
+            extension: null_mut(),
+            context: self.frame.context,
+            stream: null_mut(),
+        };
+        // SAFETY: XLA's table of functions is valid during the call, and `struct_size` says how many it has.
+        // XLA fills in the stream, or returns an error, which is destroyed once.
+        unsafe {
+            let api = self.frame.api.as_ref().filter(|api| api.struct_size >= size_of::<Api>());
+            let get = api.and_then(|api| api.stream).ok_or("this version of XLA does not give its stream")?;
+            let error = get(&raw mut arguments);
+            if error.is_null() {
+                return Ok(arguments.stream.addr() as u64);
+            }
+            if let Some(destroy) = api.and_then(|api| api.destroy_error) {
+                let struct_size = size_of::<DestroyArguments>();
+                let mut destroyed = DestroyArguments { struct_size, extension: null_mut(), error };
+                destroy(&raw mut destroyed);
+            }
+            Err("the call is not one of a CUDA device".into())
+        }
     }
 
     /// Takes out the arrays' numbers, to read and to write; `None` if an array has another type. A second
@@ -205,7 +240,7 @@ unsafe fn call_of<'a>(frame: &'a CallFrame) -> Result<XlaCall<'a>, String> {
             })
             .collect();
         Ok(XlaCall {
-            frame: PhantomData,
+            frame,
             attributes,
             arguments: buffers_of(&frame.arguments)?,
             results: buffers_of(&frame.results)?,

@@ -33,6 +33,7 @@ pub(super) const INTERNAL: c_int = 13;
 
 /// `XLA_FFI_Extension_Base`.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct Extension {
     pub(super) struct_size: usize,
     pub(super) kind: c_int,
@@ -41,6 +42,7 @@ pub(super) struct Extension {
 
 /// `XLA_FFI_Api_Version`.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct ApiVersion {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
@@ -80,16 +82,39 @@ pub(crate) struct Failure {
 
 /// `XLA_FFI_Api`, as far as it is used.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct Api {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
     pub(super) version: ApiVersion,
     pub(super) internal: *const c_void,
     pub(super) create_error: Option<unsafe extern "C" fn(*mut ErrorArguments) -> *mut Failure>,
+    pub(super) error_message: *const c_void,
+    pub(super) destroy_error: Option<unsafe extern "C" fn(*mut DestroyArguments)>,
+    pub(super) register: *const c_void,
+    pub(super) stream: Option<unsafe extern "C" fn(*mut StreamArguments) -> *mut Failure>,
+}
+
+/// `XLA_FFI_Error_Destroy_Args`.
+#[repr(C)]
+pub(super) struct DestroyArguments {
+    pub(super) struct_size: usize,
+    pub(super) extension: *mut Extension,
+    pub(super) error: *mut Failure,
+}
+
+/// `XLA_FFI_Stream_Get_Args`.
+#[repr(C)]
+pub(super) struct StreamArguments {
+    pub(super) struct_size: usize,
+    pub(super) extension: *mut Extension,
+    pub(super) context: *mut c_void,
+    pub(super) stream: *mut c_void,
 }
 
 /// `XLA_FFI_Buffer`.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct RawBuffer {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
@@ -101,6 +126,7 @@ pub(super) struct RawBuffer {
 
 /// `XLA_FFI_ByteSpan`.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct ByteSpan {
     pub(super) start: *const c_char,
     pub(super) len: usize,
@@ -115,6 +141,7 @@ pub(super) struct ScalarValue {
 
 /// `XLA_FFI_Args` and `XLA_FFI_Rets`, which are alike.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct Buffers {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
@@ -125,6 +152,7 @@ pub(super) struct Buffers {
 
 /// `XLA_FFI_Attrs`.
 #[repr(C)]
+#[derive(Debug)]
 pub(super) struct Attributes {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
@@ -136,6 +164,7 @@ pub(super) struct Attributes {
 
 /// `XLA_FFI_CallFrame`, without the last field, `future`, of calls that return before they are done.
 #[repr(C)]
+#[derive(Debug)]
 pub(crate) struct CallFrame {
     pub(super) struct_size: usize,
     pub(super) extension: *mut Extension,
@@ -158,6 +187,9 @@ const _: () = {
     assert!(size_of::<ErrorArguments>() == 32);
     assert!(core::mem::offset_of!(ErrorArguments, code) == 24);
     assert!(core::mem::offset_of!(Api, create_error) == 48);
+    assert!(core::mem::offset_of!(Api, stream) == 80);
+    assert!(size_of::<DestroyArguments>() == 24);
+    assert!(size_of::<StreamArguments>() == 32);
     assert!(size_of::<RawBuffer>() == 48);
     assert!(core::mem::offset_of!(RawBuffer, data) == 24);
     assert!(size_of::<ByteSpan>() == 16);
