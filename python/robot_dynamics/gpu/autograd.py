@@ -178,8 +178,8 @@ def _classes() -> tuple[Any, Any]:
         def forward(ctx: Any, step: DeviceFunction, given: Arguments, steps: int, q: Any, v: Any, tau: Any) -> Any:
             from robot_dynamics.gpu.rollouts import kept_states
 
-            q_all, v_all = kept_states(step, given, tau, steps)
             pullback_of(step)
+            q_all, v_all = kept_states(step, given, tau, steps)
             ctx.step, ctx.given, ctx.steps = step, given, steps
             ctx.save_for_backward(q_all, v_all, tau)
             return q_all[1:], v_all[1:]

@@ -32,6 +32,8 @@ class DeviceRollout(NamedTuple):
     """Configurations after each step (steps, ..., nq); `None` unless requested."""
     v_trajectory: Any
     """Velocities after each step (steps, ..., nv) [rad/s or m/s]; `None` unless requested."""
+    tables: dict[str, Any]
+    """Final values of the other tables of the state by name, such as ``impulses`` of a step with contact."""
 
 
 class Arguments(NamedTuple):
@@ -121,6 +123,7 @@ class DeviceFunctions:
         trajectory: bool = False,
         out: tuple[Any, Any] | None = None,
         stream: Any = None,
+        **tables: Any,
     ) -> DeviceRollout:
         """Simulate states on the device. All steps run there, without a wait between them.
 
@@ -147,6 +150,9 @@ class DeviceFunctions:
             Arrays for the final states; `q` and `v` themselves simulate in place.
         stream : object, optional
             Stream, or its handle; default: the current stream of the arrays' library.
+        **tables : array or float
+            The other arguments of the step by name: ``friction`` of a step with contact, and its
+            ``impulses``, 0 by default.
 
         Returns
         -------
@@ -171,11 +177,11 @@ class DeviceFunctions:
 
             if out is not None or stream is not None:
                 raise TypeError("arrays of JAX are never written, and XLA chooses the stream: call without out= and stream=")
-            return xla.rollout(self._step(step), (q, v, tau), steps, dt, trajectory)
-        return rollouts.rollout(self, self._step(step), (q, v, tau), steps, dt, trajectory, out, stream)
+            return xla.rollout(self._step(step), (q, v, tau), steps, dt, trajectory, tables)
+        return rollouts.rollout(self, self._step(step), (q, v, tau), steps, dt, trajectory, out, stream, tables)
 
     def _step(self, name: str | None) -> DeviceFunction:
-        steps = [own for own in self._names if own.endswith("_step")]
+        steps = [own for own in self._names if own.endswith(("_step", "_sweeps"))]
         if name is None and len(steps) == 1:
             return self[steps[0]]
         if name is None:
@@ -245,8 +251,8 @@ class DeviceFunction:
         Parameters
         ----------
         *arguments : array
-            Arguments in the order of `arguments`. All have the same leading axes, those of the batch. The
-            step ``h`` may be a number.
+            Arguments in the order of `arguments`. All have the same leading axes, those of the batch. A
+            number stands for the same number in all places.
         out : array or tuple of arrays, optional
             Arrays for the results, in the order of `results`. They may not overlap other arrays.
         stream : object, optional
@@ -290,7 +296,7 @@ class DeviceFunction:
             raise TypeError(f"{self._name} has {len(self._reads)} arguments ({', '.join(self._reads)}), got "
                             f"{len(arguments)}")
         seen = [
-            (name, None, float(array)) if name == "h" and isinstance(array, (int, float)) else (name, *library_of(array, name))
+            (name, None, float(array)) if isinstance(array, (int, float)) else (name, *library_of(array, name))
             for name, array in zip(self._reads, arguments, strict=True)
         ]
         own = self._functions
@@ -307,7 +313,10 @@ class DeviceFunction:
         if library is None or lead is None:
             raise TypeError(f"{self._name}: no argument is an array")
         handle = None if stream is None else stream_handle(stream)
-        arrays = [own._constant(library, lead, array, handle) if of is None else array for _, of, array in seen]
+        arrays = [
+            own._constant(library, lead + self._reads[name], array, handle) if of is None else array
+            for name, of, array in seen
+        ]
         return Arguments(library, arrays, lead, self._stream(library, arrays, handle), handle)
 
     def _lead(self, name: str, shape: Shape, lead: Shape | None) -> Shape:

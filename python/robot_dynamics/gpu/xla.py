@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -13,8 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from robot_dynamics import _native
-from robot_dynamics.errors import DeviceError, DTypeError, ShapeError
+from robot_dynamics.errors import DTypeError, ShapeError
 from robot_dynamics.gpu.autograd import pulled_back_names, pullback_of
+from robot_dynamics.gpu.rollouts import arguments_of, state_names
 from robot_dynamics.xla.coordinates import coordinates, displacement
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def call(function: DeviceFunction, arguments: Sequence[Any]) -> list[Any]:
     function : DeviceFunction
         Function.
     arguments : sequence of jax.Array
-        Arguments in the order of the function; the step ``h`` may be a number.
+        Arguments in the order of the function; a number stands for the same number in all places.
 
     Returns
     -------
@@ -54,7 +54,10 @@ def call(function: DeviceFunction, arguments: Sequence[Any]) -> list[Any]:
     dtype = function._functions._dtype
     if dtype == "float64" and not jax.config.jax_enable_x64:
         raise DTypeError("JAX has no float64: jax.config.update('jax_enable_x64', True), or compile for float32")
-    arrays = [jnp.asarray(array, dtype) if isinstance(array, (int, float)) else array for array in arguments]
+    arrays = [
+        jnp.full(shape, array, dtype) if isinstance(array, (int, float)) else array
+        for array, shape in zip(arguments, function.arguments.values(), strict=True)
+    ]
     leads = []
     for (name, shape), array in zip(function.arguments.items(), arrays, strict=True):
         before = array.ndim - len(shape)
@@ -73,7 +76,12 @@ def call(function: DeviceFunction, arguments: Sequence[Any]) -> list[Any]:
 
 
 def rollout(
-    step: DeviceFunction, state: tuple[Any, Any, Any], steps: int, dt: float, trajectory: bool
+    step: DeviceFunction,
+    state: tuple[Any, Any, Any],
+    steps: int,
+    dt: float,
+    trajectory: bool,
+    tables: Mapping[str, Any],
 ) -> DeviceRollout:
     """Steps as a loop of JAX; see `DeviceFunctions.rollout`.
 
@@ -89,6 +97,8 @@ def rollout(
         Step size [s].
     trajectory : bool
         Whether to return the states after each step.
+    tables : mapping of str to array or float
+        The other arguments of the step.
 
     Returns
     -------
@@ -97,21 +107,24 @@ def rollout(
     """
     from robot_dynamics.gpu.functions import DeviceRollout
 
-    if list(step.arguments) != ["q", "v", "tau", "h"] or list(step.results) != ["q_next", "v_next"]:
-        raise DeviceError(f"{step.name} is not a step from (q, v, tau, h) to the next q and v: call it for each step")
-    if steps < 1 or not (math.isfinite(dt) and dt > 0.0):
-        raise ValueError(f"steps is {steps!r} and dt {dt!r}: both must be positive")
     q, v, tau = (jnp.asarray(array) for array in state)
+    first = arguments_of(step, (q, v, tau), steps, dt, tables)
     is_each = tau.ndim == q.ndim + 1
     if is_each and tau.shape[0] != steps:
         raise ShapeError(f"tau has shape {tau.shape}: its first axis must have steps = {steps}")
+    names = state_names(step)
+    held = dict(zip(step.arguments, first, strict=True))
+    lead = q.shape[:-1]
+    start = tuple(jnp.broadcast_to(jnp.asarray(held[name], q.dtype), (*lead, *step.arguments[name])) for name in names)
 
-    def advance(state: tuple[Any, Any], own: Any) -> tuple[tuple[Any, Any], tuple[Any, Any] | None]:
-        after = call(step, (*state, own if is_each else tau, dt))
-        return (after[0], after[1]), (after[0], after[1]) if trajectory else None
+    def advance(state: tuple[Any, ...], own: Any) -> tuple[tuple[Any, ...], tuple[Any, ...] | None]:
+        given = {**held, **dict(zip(names, state, strict=True)), **({"tau": own} if is_each else {})}
+        after = tuple(call(step, [given[name] for name in step.arguments]))
+        return after, after[:2] if trajectory else None
 
-    end, states = jax.lax.scan(advance, (q, v), tau if is_each else None, length=steps)
-    return DeviceRollout(*end, *(states or (None, None)))
+    end, states = jax.lax.scan(advance, start, tau if is_each else None, length=steps)
+    q_trajectory, v_trajectory = states or (None, None)
+    return DeviceRollout(end[0], end[1], q_trajectory, v_trajectory, dict(zip(names[2:], end[2:], strict=True)))
 
 
 @lru_cache(maxsize=256)
