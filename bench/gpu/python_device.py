@@ -22,6 +22,7 @@ from typing import Any
 
 BEGUN = time.perf_counter()
 BUDGET = float(sys.argv[1]) if len(sys.argv) > 1 else 85.0
+os.environ.setdefault("RUST_MIN_STACK", str(64 << 20))
 os.environ.setdefault("ROBOT_DYNAMICS_KERNEL_CACHE", tempfile.mkdtemp(prefix="robot-dynamics-kernels-"))
 
 import numpy as np  # noqa: E402
@@ -390,6 +391,38 @@ def training() -> None:
     check("a loss falls", float(losses[-1]) < float(losses[0]), [f"{float(x):.4f}" for x in losses])
 
 
+def contact() -> None:
+    """Steps with contact of the quadruped, against the same step on the processor."""
+    robot = ROBOT["quadruped"]
+    if "contact_step" not in str(rd.gpu.Device("cpu").compile(robot, ["contact_step"], dtype="float64").names):
+        return
+    begun = time.perf_counter()
+    functions = {dtype: rd.gpu.Device(DEVICE).compile(robot, ["contact_step"], dtype=dtype) for dtype in BOUNDS}
+    print(f"  compiled in {time.perf_counter() - begun:.2f} s")
+    for dtype, bound in BOUNDS.items():
+        s = states(robot, 4096, dtype)
+        s["q"][:, 2] = 0.45
+        s["q"][:, 3:7] = torch.tensor([0.0, 0.0, 0.0, 1.0])
+        given = [s["q"], 0.1 * s["v"], s["tau"], 2e-3, 0.7, 0.0]
+        found = functions[dtype].contact_step(*given)
+        own = rd.gpu.Device("cpu").compile(robot, ["contact_step"], dtype="float64")
+        right = own.contact_step(*(x.cpu().double() if isinstance(x, torch.Tensor) else x for x in given))
+        off = float((found.v_next.cpu().double() - right.v_next).abs().max() / right.v_next.abs().max())
+        touching = int((right.impulses_next.abs().sum(dim=-1) > 0).sum())
+        check(f"{dtype} contact_step", off < bound, f"{off:.1e}, {touching} of 4096 touch the ground")
+        for count in (65_536, 262_144):
+            s = states(robot, count, dtype)
+            q, v, tau = s["q"], torch.zeros_like(s["v"]), torch.zeros_like(s["tau"])
+            q[:, 2] = 0.45
+            q[:, 3:7] = torch.tensor([0.0, 0.0, 0.0, 1.0])
+            own = functions[dtype]
+
+            def roll() -> None:
+                own.rollout(q, v, tau, steps=20, dt=2e-3, friction=0.7, out=(q, v))
+
+            print(f"  {dtype} {count}: {timed(roll, 20 * count)} million steps per second")
+
+
 def processor() -> None:
     """The library's batches on this machine's processors, for comparison."""
     for name, robot in ROBOT.items():
@@ -428,6 +461,7 @@ def main() -> int:
     part("JAX", jax_programs)
     part("processor", processor)
     part("training", training)
+    part("contact", contact)
     part("times", times)
     print(f"\n{len(FAILURES)} failures after {seconds():.0f} s" + "".join(f"\n  {own}" for own in dict.fromkeys(FAILURES)))
     return min(len(FAILURES), 100)

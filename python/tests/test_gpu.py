@@ -126,6 +126,27 @@ def test_rollouts_are_those_of_the_robot(robot: rd.Robot, device: rd.gpu.Device,
         assert np.array_equal(host(q), host(end.q)) and np.array_equal(host(v), host(end.v))
 
 
+def test_steps_with_contact_pass_their_impulses_on(device: rd.gpu.Device) -> None:
+    robot = load("quadruped")
+    compiled = device.compile(robot, ["contact_step"], dtype="float64")
+    s = states(robot, 5)
+    start = np.tile(robot.neutral(), (5, 1))
+    start[:, 2] = 0.4 + 0.01 * np.arange(5)
+    q, v, tau = arrays(device.name, start, 0.1 * s.v, np.zeros((5, robot.nv)))
+    end = compiled.rollout(q, v, tau, steps=60, dt=2e-3, friction=0.7)
+    state, impulses = (q, v), 0.0
+    for _ in range(60):
+        after = compiled.contact_step(*state, tau, 2e-3, 0.7, impulses)
+        state, impulses = (after.q_next, after.v_next), after.impulses_next
+    assert np.array_equal(host(end.q), host(state[0])) and np.array_equal(host(end.v), host(state[1]))
+    assert np.array_equal(host(end.tables["impulses"]), host(impulses))
+    assert (np.abs(host(impulses)).sum(axis=1) > 0.0).all(), "the ground pushes each robot"
+    with pytest.raises(TypeError, match="needs the argument friction="):
+        compiled.rollout(q, v, tau, steps=2)
+    with pytest.raises(TypeError, match="has no argument 'slip'"):
+        compiled.rollout(q, v, tau, steps=2, friction=0.7, slip=1.0)
+
+
 def test_invalid_states_are_not_finite_alone(device: rd.gpu.Device) -> None:
     robot = load("quadruped")
     compiled = device.compile(robot, ["forward_dynamics"], dtype="float64")

@@ -9,6 +9,9 @@ use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Table, g
 use crate::DeviceError;
 use crate::backend::{Backend, TableCounts};
 
+/// The stack of a thread that compiles: expressions of large robots recurse deeply.
+const STACK: usize = 16 << 20;
+
 /// A compiled function, and the tables that it reads and writes.
 pub(crate) struct CompiledFunction<K> {
     pub(crate) function: Function,
@@ -60,7 +63,12 @@ pub(crate) fn in_parallel<I: Sync, R: Send>(
         }
     };
     let mut all = thread::scope(|scope| {
-        let handles: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
+        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        // Without another thread this one does the work.
+        let handles: Vec<_> = (0..threads).map_while(|k| spawn(k).ok()).collect();
+        if handles.is_empty() {
+            return run();
+        }
         let results = handles.into_iter().map(|handle| match handle.join() {
             Ok(done) => done,
             Err(panic) => std::panic::resume_unwind(panic),
