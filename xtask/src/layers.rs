@@ -74,7 +74,10 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("generate", &["expression", "functions", "number", "robot-dynamics", "thiserror"]),
-    ("gpu", &["bytemuck", "cudarc", "generate", "libloading", "number", "robot-dynamics", "thiserror", "wgpu"]),
+    (
+        "gpu",
+        &["bytemuck", "cudarc", "generate", "libloading", "number", "robot-dynamics", "thiserror", "wgpu"],
+    ),
 ];
 
 /// The folders of libraries: the rows above whose folder exists.
