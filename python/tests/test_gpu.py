@@ -264,6 +264,16 @@ class TestGradients:
 
         assert torch.autograd.gradcheck(call, leaves, eps=1e-6, atol=1e-3, rtol=1e-4)
 
+    def test_a_rollout_with_contact_has_no_gradients(self, device: rd.gpu.Device) -> None:
+        torch: Any = pytest.importorskip("torch")
+        robot = load("quadruped")
+        compiled = device.compile(robot, ["contact_step"], dtype="float32")
+        q = torch.tensor(robot.neutral(), dtype=torch.float32, device=device.name)[None]
+        v = torch.zeros(1, robot.nv, device=device.name)
+        with pytest.raises(rd.DeviceError, match="call the step for each step"):
+            compiled.rollout(q, v.clone().requires_grad_(), v, steps=2, friction=0.7)
+        assert compiled.rollout(q, v, v, steps=2, friction=0.7).q.isfinite().all()
+
     def test_without_recording_nothing_is_kept(self, device: rd.gpu.Device) -> None:
         torch: Any = pytest.importorskip("torch")
         robot = load("two_r")
