@@ -42,6 +42,8 @@ mod layout;
 mod loops;
 
 // functions in stages,
+mod stage_tables;
+mod staged_function;
 mod stages;
 
 // their sparse derivatives,
@@ -72,6 +74,7 @@ pub use measure::measure;
 pub use request::Request;
 pub use robot_dynamics_expression::{Arithmetic, Precision, Sine, Traced};
 pub use robot_dynamics_functions::{Function, FunctionError, Table};
+pub use staged_function::{StageExpression, StagedFunction};
 pub use target::Target;
 pub use writers::WGSL_WORKGROUP;
 

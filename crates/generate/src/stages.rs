@@ -6,8 +6,10 @@ use robot_dynamics_expression::{Arithmetic, Graph, Plan, interpret};
 
 use crate::layout::Layout;
 use crate::program::{
-    Call, Case, Instruction, Place, Program, Stage, Stages, outcomes, random_arguments, uncertainty,
+    Call, Case, Instruction, Place, Program, ProgramResult, Stage, Stages, outcomes, random_arguments,
+    uncertainty,
 };
+use crate::stage_tables::StageTables;
 use crate::{Function, GenerateError};
 
 /// The program of a function in stages, or `None` if the function is one expression.
@@ -17,15 +19,24 @@ pub(crate) fn staged(
     arithmetic: Arithmetic,
     states: usize,
 ) -> Option<Result<Program, GenerateError>> {
-    let stages = match function {
-        Function::ContactStep { sweeps } => Builder::new(model, arithmetic).step((*sweeps).into()),
-        Function::Pullback(of) => match **of {
-            Function::ContactStep { sweeps } => Builder::new(model, arithmetic).pullback(sweeps.into()),
-            _ => return None,
-        },
-        _ => return None,
-    };
+    let stages = stages_of(function, model, arithmetic)?;
     Some(stages.map(|stages| program(function, stages, model, arithmetic, states)))
+}
+
+/// The stages of a function, or `None` if the function is one expression.
+pub(crate) fn stages_of(
+    function: &Function,
+    model: &Model,
+    arithmetic: Arithmetic,
+) -> Option<Result<Stages, GenerateError>> {
+    match function {
+        Function::ContactStep { sweeps } => Some(Builder::new(model, arithmetic).step((*sweeps).into())),
+        Function::Pullback(of) => match **of {
+            Function::ContactStep { sweeps } => Some(Builder::new(model, arithmetic).pullback(sweeps.into())),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// The program with expected values in random states.
@@ -37,18 +48,10 @@ fn program(
     states: usize,
 ) -> Program {
     let (arguments, outcomes) = (function.arguments(model), outcomes(function, model));
-    let lengths: Vec<usize> = outcomes.iter().map(|outcome| outcome.length()).collect();
-    let mut tables: Vec<(String, usize)> = outcomes.iter().map(|x| x.name.clone()).zip(lengths).collect();
-    tables.extend(stages.locals.iter().map(|(name, length)| (String::from(*name), *length)));
     let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
     for inputs in random_arguments(function, model, arithmetic, states) {
-        let mut memory: Vec<(String, Vec<f64>)> =
-            arguments.iter().map(|x| String::from(x.name)).zip(inputs.iter().cloned()).collect();
-        memory.extend(tables.iter().map(|(name, length)| (name.clone(), vec![0.0; *length])));
-        execute(&stages, &stages.body, arithmetic, &mut memory);
-        let named =
-            |name: &String| memory.iter().find(|(other, _)| other == name).expect("a table").1.clone();
-        let results: Vec<Vec<f64>> = outcomes.iter().map(|outcome| named(&outcome.name)).collect();
+        let tables = (arguments.iter().map(|x| x.name)).zip(inputs.iter().map(Vec::as_slice)).collect();
+        let results = interpreted(&stages, arithmetic, tables, &outcomes);
         // The library's sine and the platform's differ, and a compiler may add in another order.
         tolerance = tolerance.max(uncertainty(arithmetic, &results, &results));
         cases.push(Case { arguments: inputs, results });
@@ -69,50 +72,22 @@ fn program(
     }
 }
 
-/// Computes instructions on named tables.
-fn execute(
+/// The results of one state, operation by operation.
+fn interpreted(
     stages: &Stages,
-    body: &[Instruction],
     arithmetic: Arithmetic,
-    memory: &mut Vec<(String, Vec<f64>)>,
-) {
-    let index = |memory: &[(String, Vec<f64>)], place: &Place| {
-        memory.iter().position(|(name, _)| name == place.table()).expect("a table")
+    inputs: Vec<(&str, &[f64])>,
+    outcomes: &[ProgramResult],
+) -> Vec<Vec<f64>> {
+    let mut memory = StageTables::new(1, stages, inputs, outcomes);
+    let call = |stage: usize, inputs: &[&[f64]], outputs: &mut [&mut [f64]]| {
+        let Program { graph, plan, results, .. } = &stages.stages[stage].program;
+        let inputs: Vec<Vec<f64>> = inputs.iter().map(|table| table.to_vec()).collect();
+        let (values, _) = interpret(graph, plan, results, arithmetic, &inputs);
+        outputs.iter_mut().zip(values).for_each(|(output, values)| output.copy_from_slice(&values));
     };
-    for instruction in body {
-        match instruction {
-            Instruction::Call(call) => {
-                let program = &stages.stages[call.stage].program;
-                let lengths = program.arguments.iter().map(|argument| argument.length);
-                let inputs: Vec<Vec<f64>> = (call.arguments.iter().zip(lengths))
-                    .map(|(place, length)| {
-                        memory[index(memory, place)].1[place.offset()..][..length].to_vec()
-                    })
-                    .collect();
-                let (values, _) =
-                    interpret(&program.graph, &program.plan, &program.results, arithmetic, &inputs);
-                for (place, values) in call.results.iter().zip(values) {
-                    let at = index(memory, place);
-                    memory[at].1[place.offset()..][..values.len()].copy_from_slice(&values);
-                }
-            }
-            Instruction::Copy { from, to, count } | Instruction::Add { from, to, count } => {
-                let values = memory[index(memory, from)].1[from.offset()..][..*count].to_vec();
-                let at = index(memory, to);
-                for (x, y) in memory[at].1[to.offset()..][..*count].iter_mut().zip(values) {
-                    let sum = if matches!(instruction, Instruction::Add { .. }) { *x + y } else { y };
-                    *x = arithmetic.precision.round(sum);
-                }
-            }
-            Instruction::Clear { place, count } => {
-                let at = index(memory, place);
-                memory[at].1[place.offset()..][..*count].fill(0.0);
-            }
-            Instruction::Repeat { count, body } => {
-                (0..*count).for_each(|_| execute(stages, body, arithmetic, memory));
-            }
-        }
-    }
+    memory.execute(stages, &stages.body, &mut { call }, &|x, y| arithmetic.precision.round(x + y));
+    outcomes.iter().map(|outcome| memory.table(&outcome.name).to_vec()).collect()
 }
 
 /// Makes the stages of a step with contact.
@@ -235,7 +210,7 @@ fn call(stage: usize, arguments: Vec<Place>, results: Vec<Place>) -> Instruction
 #[cfg(test)]
 mod tests {
     use robot_dynamics::description::{
-        Base, LinkDescription, LinkShape, MassProperties, Pose, RobotDescription, Shape, ShapeRole, pendulum,
+        Base, LinkDescription, LinkShape, MassProperties, Pose, Shape, ShapeRole, pendulum,
     };
     use robot_dynamics::model::Workspace;
     use robot_dynamics::nalgebra::{Matrix3, Vector3};
@@ -299,15 +274,9 @@ mod tests {
             let inputs =
                 vec![q.clone(), v.clone(), tau.clone(), vec![H], vec![friction], impulses, cotangent.clone()];
             let arguments = function.arguments(&model);
-            let mut memory: Vec<(String, Vec<f64>)> =
-                arguments.iter().map(|x| String::from(x.name)).zip(inputs).collect();
-            memory
-                .extend(stages.locals.iter().map(|(name, length)| (String::from(*name), vec![0.0; *length])));
-            let found = outcomes(&function, &model);
-            memory.extend(found.iter().map(|x| (x.name.clone(), vec![0.0; x.length()])));
-            execute(&stages, &stages.body, Arithmetic::default(), &mut memory);
-            let gradient: Vec<f64> =
-                memory[memory.len() - found.len()..].iter().flat_map(|x| x.1.clone()).collect();
+            let tables = (arguments.iter().map(|x| x.name)).zip(inputs.iter().map(Vec::as_slice)).collect();
+            let found = interpreted(&stages, Arithmetic::default(), tables, &outcomes(&function, &model));
+            let gradient = found.concat();
             let weighted = |(q1, v1, _): (Vec<f64>, Vec<f64>, Vec<f64>)| -> f64 {
                 let mut displacement = vec![0.0; nv];
                 robot_dynamics::model::difference(&model, &q_end, &q1, &mut displacement);

@@ -4,9 +4,9 @@
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use robot_dynamics::model::Model;
-use robot_dynamics_expression::{Arithmetic, interpret};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, interpret};
 use robot_dynamics_functions::TracedFunction;
-use robot_dynamics_generate::{Function, FunctionError};
+use robot_dynamics_generate::{Function, FunctionError, StagedFunction};
 use robot_dynamics_native::{Float, Kernel, Width, best_instructions};
 
 use super::functions_of;
@@ -26,7 +26,22 @@ struct CpuFunction<T> {
     /// The count of numbers of each table, for one state.
     reads: Vec<usize>,
     writes: Vec<usize>,
-    traced: TracedFunction,
+    body: FunctionBody<T>,
+}
+
+/// One expression, or several in stages.
+enum FunctionBody<T> {
+    One(Expression<T>),
+    Staged(StagedFunction, Vec<Expression<T>>),
+}
+
+/// An expression with its machine code.
+struct Expression<T> {
+    graph: Graph,
+    plan: Plan,
+    results: Vec<Vec<Operand>>,
+    reads: Vec<usize>,
+    writes: Vec<usize>,
     arithmetic: Arithmetic,
     /// `None` if the processor has no encoder, or the system refuses machine code.
     kernel: Option<Kernel<T>>,
@@ -39,19 +54,41 @@ struct Piece<'a, T> {
     outputs: Vec<&'a mut [T]>,
 }
 
-impl<T: Float + ArrayNumber> CpuFunction<T> {
+impl<T: Float + ArrayNumber + Default + core::ops::Add<Output = T>> CpuFunction<T> {
     fn new(model: &Model, function: Function) -> PyResult<Self> {
         let arithmetic = Arithmetic::new(T::PRECISION);
-        let traced = function.trace(model, arithmetic).map_err(exception)?;
         let reads: Vec<usize> = function.reads(model).iter().map(|table| table.width()).collect();
         let writes = function.writes(model).iter().map(|table| table.width()).collect();
-        let is_off = std::env::var_os("ROBOT_DYNAMICS_NATIVE").is_some_and(|value| value == "0");
-        let compile = || {
-            let (graph, results) = (&traced.graph, &traced.results);
-            Kernel::compile(graph, results, &reads, arithmetic, best_instructions(), Width::Lanes).ok()
+        // A step with contact is fastest as one expression, and its pullback has stages only.
+        let staged = if matches!(function, Function::ContactStep { .. }) {
+            None
+        } else {
+            StagedFunction::new(&function, model, arithmetic).transpose().map_err(exception)?
         };
-        let kernel = if is_off { None } else { compile() };
-        Ok(Self { function, reads, writes, traced, arithmetic, kernel })
+        let body = match staged {
+            Some(staged) => {
+                let expressions = staged
+                    .expressions()
+                    .map(|one| Expression::new(one.graph, one.plan, one.results, one.reads(), arithmetic));
+                let expressions = expressions.collect();
+                FunctionBody::Staged(staged, expressions)
+            }
+            None => {
+                let TracedFunction { graph, plan, results, .. } =
+                    &function.trace(model, arithmetic).map_err(exception)?;
+                FunctionBody::One(Expression::new(graph, plan, results, reads.clone(), arithmetic))
+            }
+        };
+        Ok(Self { function, reads, writes, body })
+    }
+
+    /// The memory of a thread.
+    fn scratch(&self) -> Vec<T> {
+        let length = match &self.body {
+            FunctionBody::One(expression) => expression.scratch_len(),
+            FunctionBody::Staged(_, all) => all.iter().map(Expression::scratch_len).max().unwrap_or(0),
+        };
+        vec![T::nearest(0.0); length]
     }
 
     /// Computes states on these threads. `inputs` and `outputs` are the tables of all of them.
@@ -74,25 +111,58 @@ impl<T: Float + ArrayNumber> CpuFunction<T> {
             Piece { states, inputs, outputs }
         };
         let pieces: Vec<_> = (0..states).step_by(STATES_PER_PIECE).map(piece).collect();
-        let scratch = || vec![T::nearest(0.0); self.kernel.as_ref().map_or(0, Kernel::scratch_len)];
         if threads == 1 || pieces.len() == 1 {
-            let mut scratch = scratch();
+            let mut scratch = self.scratch();
             pieces.into_iter().for_each(|piece| self.compute_piece(piece, &mut scratch));
             return Ok(());
         }
         threads::pool(threads).map_err(|error| error.to_string())?.install(|| {
             pieces
                 .into_par_iter()
-                .for_each_init(scratch, |scratch, piece| self.compute_piece(piece, scratch));
+                .for_each_init(|| self.scratch(), |scratch, piece| self.compute_piece(piece, scratch));
         });
         Ok(())
     }
 
     fn compute_piece(&self, piece: Piece<'_, T>, scratch: &mut [T]) {
         let Piece { states, inputs, mut outputs } = piece;
-        let Some(kernel) = &self.kernel else { return self.interpret_piece(states, &inputs, outputs) };
+        match &self.body {
+            FunctionBody::One(expression) => expression.compute(states, &inputs, &mut outputs, scratch),
+            FunctionBody::Staged(staged, all) => {
+                staged.compute(states, &inputs, &mut outputs, |stage, inputs, outputs| {
+                    all[stage].compute(states, inputs, outputs, scratch);
+                });
+            }
+        }
+    }
+}
+
+impl<T: Float + ArrayNumber> Expression<T> {
+    fn new(
+        graph: &Graph,
+        plan: &Plan,
+        results: &[Vec<Operand>],
+        reads: Vec<usize>,
+        arithmetic: Arithmetic,
+    ) -> Self {
+        let is_off = std::env::var_os("ROBOT_DYNAMICS_NATIVE").is_some_and(|value| value == "0");
+        let compile =
+            || Kernel::compile(graph, results, &reads, arithmetic, best_instructions(), Width::Lanes).ok();
+        let kernel = if is_off { None } else { compile() };
+        let writes = results.iter().map(Vec::len).collect();
+        let (graph, plan, results) = (graph.clone(), plan.clone(), results.to_vec());
+        Self { graph, plan, results, reads, writes, arithmetic, kernel }
+    }
+
+    fn scratch_len(&self) -> usize {
+        self.kernel.as_ref().map_or(0, Kernel::scratch_len)
+    }
+
+    /// Computes states on tables by rows.
+    fn compute(&self, states: usize, inputs: &[&[T]], outputs: &mut [&mut [T]], scratch: &mut [T]) {
+        let Some(kernel) = &self.kernel else { return self.interpret(states, inputs, outputs) };
         let mut out_of_range = Vec::new();
-        kernel.call_rows(states, &inputs, &mut outputs, scratch, |row| out_of_range.push(row));
+        kernel.call_rows(states, inputs, outputs, scratch, |row| out_of_range.push(row));
         for row in out_of_range {
             for (output, width) in outputs.iter_mut().zip(&self.writes) {
                 output[row * width..(row + 1) * width].fill(T::nearest(f64::NAN));
@@ -101,8 +171,8 @@ impl<T: Float + ArrayNumber> CpuFunction<T> {
     }
 
     /// Interprets the graph for each state.
-    fn interpret_piece(&self, states: usize, inputs: &[&[T]], mut outputs: Vec<&mut [T]>) {
-        let TracedFunction { graph, plan, results, .. } = &self.traced;
+    fn interpret(&self, states: usize, inputs: &[&[T]], outputs: &mut [&mut [T]]) {
+        let Self { graph, plan, results, .. } = self;
         for state in 0..states {
             let of = |(table, width): (&&[T], &usize)| {
                 table[state * width..(state + 1) * width].iter().map(|x| x.double()).collect()
