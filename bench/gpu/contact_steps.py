@@ -125,7 +125,10 @@ def agreement(robot: rd.Robot, device: Any) -> None:
     for dtype in ("float64", "float32"):
         functions = device.compile(robot, ["contact_step"], dtype=dtype)
         q, v, tau = starts(robot, 4096, getattr(torch, dtype))
-        run = lambda steps: functions.rollout(q, v, tau, steps=steps, dt=DT, friction=FRICTION)  # noqa: E731,B023
+
+        def run(steps: int) -> Any:
+            return functions.rollout(q, v, tau, steps=steps, dt=DT, friction=FRICTION)  # noqa: B023
+
         first, second = run(250), run(250)
         same = torch.equal(first.q, second.q) and torch.equal(first.v, second.v)
         print(f"same bits in {dtype}: {same}")
@@ -196,9 +199,6 @@ def main() -> None:
     part("rates, feet and trunk", lambda: measure("feet and trunk", trunk, device, "float32", [8192, 32768, 131072]))
     part("sweeps", lambda: sweeps(trunk, device))
     part("rates in float64", lambda: measure("feet", feet, device, "float64", [8192, 32768]))
-    if PLACE == "cpu":
-        print("gradients through contact are computed on devices only")
-        return
     part("gradients", lambda: gradients(feet, device))
     part("rate of the pullback", lambda: pullback_rate(feet, device))
     if OUT:

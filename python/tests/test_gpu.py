@@ -147,6 +147,51 @@ def test_steps_with_contact_pass_their_impulses_on(device: rd.gpu.Device) -> Non
         compiled.rollout(q, v, tau, steps=2, friction=0.7, slip=1.0)
 
 
+def body_on_ground() -> rd.Robot:
+    """A free body with two balls that touch the ground."""
+    ball = '<collision><origin xyz="{0} 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
+    return rd.loads(
+        '<robot name="body"><link name="body"><inertial><origin xyz="0.02 0.01 0"/><mass value="2"/>'
+        '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial>'
+        f"{ball.format(-0.2)}{ball.format(0.2)}</link></robot>",
+        floating_base=True,
+    )
+
+
+def on_ground(count: int) -> tuple[Any, Any, Any]:
+    """States of the body near the ground, which stick and slide, and forces."""
+    random = np.random.default_rng(4)
+    q = np.tile([0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0], (count, 1))
+    q[:, 2] += random.uniform(-1e-3, 1e-3, count)
+    return q, random.uniform(-0.2, 0.2, (count, 6)), random.uniform(-1.0, 1.0, (count, 6))
+
+
+def test_gradients_through_contact_are_differences(device: rd.gpu.Device) -> None:
+    robot, step = body_on_ground(), "contact_step_300_sweeps"
+    compiled = device.compile(robot, [step, f"{step}_pullback"], dtype="float64")
+    q, v, tau = arrays(device.name, *on_ground(20))
+    weights = np.random.default_rng(2).uniform(-1.0, 1.0, (20, 12))
+    weights[:, :6] = 0.0
+    after = compiled[step](q, v, tau, 5e-3, 0.3, 0.0)
+    found = compiled[f"{step}_pullback"](q, v, tau, 5e-3, 0.3, after.impulses_next, *arrays(device.name, weights))
+
+    def value(v: Any, tau: Any, friction: float) -> Any:
+        return (host(compiled[step](q, v, tau, 5e-3, friction, 0.0).v_next) * weights[:, 6:]).sum(axis=1)
+
+    e = 1e-6
+    for k in range(6):
+        (shift,) = arrays(device.name, e * np.eye(6)[k] * np.ones((20, 1)))
+        by_velocity = (value(v + shift, tau, 0.3) - value(v - shift, tau, 0.3)) / (2 * e)
+        by_force = (value(v, tau + shift, 0.3) - value(v, tau - shift, 0.3)) / (2 * e)
+        # Errors of differences are 1e-16/1e-6 times the rounding of 300 sweeps.
+        assert_allclose(host(found.by_velocity)[:, k], by_velocity, rtol=1e-5, atol=1e-6)
+        assert_allclose(host(found.by_force)[:, k], by_force, rtol=1e-5, atol=1e-6)
+    by_friction = (value(v, tau, 0.3 + e) - value(v, tau, 0.3 - e)) / (2 * e)
+    assert_allclose(host(found.by_friction).ravel(), by_friction, rtol=1e-5, atol=1e-6)
+    assert (np.abs(by_friction) > 1e-3).any(), "some bodies slide"
+    assert (np.abs(by_friction) < 1e-9).any(), "some bodies stick or are above the ground"
+
+
 def test_invalid_states_are_not_finite_alone(device: rd.gpu.Device) -> None:
     robot = load("quadruped")
     compiled = device.compile(robot, ["forward_dynamics"], dtype="float64")
@@ -264,15 +309,20 @@ class TestGradients:
 
         assert torch.autograd.gradcheck(call, leaves, eps=1e-6, atol=1e-3, rtol=1e-4)
 
-    def test_a_rollout_with_contact_has_no_gradients(self, device: rd.gpu.Device) -> None:
+    def test_rollouts_with_contact_have_gradients(self, device: rd.gpu.Device) -> None:
         torch: Any = pytest.importorskip("torch")
-        robot = load("quadruped")
-        compiled = device.compile(robot, ["contact_step"], dtype="float32")
-        q = torch.tensor(robot.neutral(), dtype=torch.float32, device=device.name)[None]
-        v = torch.zeros(1, robot.nv, device=device.name)
-        with pytest.raises(rd.DeviceError, match="call the step for each step"):
-            compiled.rollout(q, v.clone().requires_grad_(), v, steps=2, friction=0.7)
-        assert compiled.rollout(q, v, v, steps=2, friction=0.7).q.isfinite().all()
+        robot = body_on_ground()
+        compiled = device.compile(robot, ["contact_step_300_sweeps"], dtype="float64")
+        q, v, tau = (torch.tensor(x, device=device.name) for x in on_ground(6))
+        v.requires_grad_(True)
+        tau.requires_grad_(True)
+
+        def call(v: Any, tau: Any) -> Any:
+            end = compiled.rollout(q, v, tau, steps=2, dt=5e-3, friction=0.3)
+            assert not end.tables["impulses"].requires_grad
+            return end.q[:, :3], end.v
+
+        assert torch.autograd.gradcheck(call, [v, tau], eps=1e-6, atol=1e-5, rtol=1e-4)
 
     def test_without_recording_nothing_is_kept(self, device: rd.gpu.Device) -> None:
         torch: Any = pytest.importorskip("torch")

@@ -13,6 +13,9 @@ from robot_dynamics.gpu.coordinates import gradient_by_coordinates, gradient_by_
 if TYPE_CHECKING:
     from robot_dynamics.gpu.functions import Arguments, DeviceFunction
 
+_UNWEIGHTED = {"impulses": "impulses_next"}
+"""Arguments of a pullback that are results of the function. Their changes have no weights."""
+
 _GRADIENTS = {"q": "by_position", "v": "by_velocity", "a": "by_acceleration", "tau": "by_force"}
 """Results of a pullback by the arguments that they are gradients of."""
 
@@ -68,12 +71,13 @@ def rollout(step: DeviceFunction, given: Arguments, torques: Any, steps: int, tr
     Returns
     -------
     sequence of torch.Tensor
-        Final q and v, and the trajectories of q and v, `None` unless requested.
+        Final q and v, the trajectories of q and v, `None` unless requested, and the final values of the other
+        tables of the state, without gradients.
     """
     q, v = given.arrays[:2]
-    q_all, v_all = _classes()[1].apply(step, given, steps, q, v, torques)
+    q_all, v_all, *others = _classes()[1].apply(step, given, steps, q, v, torques)
     trajectories = (q_all, v_all) if trajectory else (None, None)
-    return q_all[-1], v_all[-1], *trajectories
+    return q_all[-1], v_all[-1], *trajectories, *others
 
 
 def pullback_of(function: DeviceFunction) -> DeviceFunction:
@@ -126,11 +130,20 @@ def _cotangent(function: DeviceFunction, given: Arguments, results: Sequence[Any
 
     parts = []
     for (name, shape), result, gradient in zip(function.results.items(), results, gradients, strict=True):
+        if name in _UNWEIGHTED.values():
+            continue
         flat = gradient.reshape(*given.lead, prod(shape))
         if name == "q_next":
             flat = gradient_by_displacement(function._functions._robot, result, flat)
         parts.append(flat)
     return (parts[0] if len(parts) == 1 else torch.cat(parts, dim=-1)).contiguous()
+
+
+def _at_results(function: DeviceFunction, inputs: Sequence[Any], results: Sequence[Any]) -> list[Any]:
+    """Arguments of the pullback, except the weights: the multipliers of contact are those after the step."""
+    found = dict(zip(function.results, results, strict=True))
+    names = ((name, _UNWEIGHTED.get(name, "")) for name in function.arguments)
+    return [found.get(result, given) for (_, result), given in zip(names, inputs, strict=True)]
 
 
 def _pulled_back(function: DeviceFunction, given: Arguments, inputs: Sequence[Any], cotangent: Any) -> dict[str, Any]:
@@ -156,6 +169,8 @@ def _classes() -> tuple[Any, Any]:
             pullback_of(function)
             ctx.function, ctx.given, ctx.count = function, given._replace(arrays=[]), len(arrays)
             ctx.save_for_backward(*arrays, *results)
+            unweighted = zip(function.results, results, strict=True)
+            ctx.mark_non_differentiable(*(x for name, x in unweighted if name in _UNWEIGHTED.values()))
             return tuple(results)
 
         @staticmethod
@@ -165,7 +180,7 @@ def _classes() -> tuple[Any, Any]:
             inputs, results = ctx.saved_tensors[: ctx.count], ctx.saved_tensors[ctx.count :]
             with given.library.on_stream(function._functions._device, given.given_stream):
                 cotangent = _cotangent(function, given, results, gradients)
-                found = _pulled_back(function, given, inputs, cotangent)
+                found = _pulled_back(function, given, _at_results(function, inputs, results), cotangent)
                 if "q" in found:
                     q = inputs[list(function.arguments).index("q")]
                     found["q"] = gradient_by_coordinates(function._functions._robot, q, found["q"])
@@ -179,17 +194,19 @@ def _classes() -> tuple[Any, Any]:
             from robot_dynamics.gpu.rollouts import kept_states
 
             pullback_of(step)
-            q_all, v_all = kept_states(step, given, tau, steps)
+            tables = kept_states(step, given, tau, steps)
             ctx.step, ctx.given, ctx.steps = step, given, steps
-            ctx.save_for_backward(q_all, v_all, tau)
-            return q_all[1:], v_all[1:]
+            ctx.save_for_backward(tau, *tables)
+            ends = tuple(table[-1] for table in tables[2:])
+            ctx.mark_non_differentiable(*ends)
+            return tables[0][1:], tables[1][1:], *ends
 
         @staticmethod
         @once_differentiable  # type: ignore[untyped-decorator]
-        def backward(ctx: Any, by_q: Any, by_v: Any) -> Any:
+        def backward(ctx: Any, by_q: Any, by_v: Any, *_: Any) -> Any:
             step, given = ctx.step, ctx.given
-            q, v, tau = ctx.saved_tensors
-            robot, h = step._functions._robot, given.arrays[3]
+            tau, *tables = ctx.saved_tensors
+            (q, v), robot = tables[:2], step._functions._robot
             is_each = tau.ndim == len(given.lead) + 2
             by_tau = torch.zeros_like(tau)
             with given.library.on_stream(step._functions._device, given.given_stream):
@@ -198,7 +215,9 @@ def _classes() -> tuple[Any, Any]:
                 found = {"q": torch.zeros_like(v[0]), "v": torch.zeros_like(v[0])}
                 for k in reversed(range(ctx.steps)):
                     cotangent = torch.cat([found["q"] + by_each[k], found["v"] + by_v[k]], dim=-1)
-                    found = _pulled_back(step, given, (q[k], v[k], tau[k] if is_each else tau, h), cotangent)
+                    inputs = [q[k], v[k], tau[k] if is_each else tau, *given.arrays[3:]]
+                    inputs = _at_results(step, inputs, [table[k + 1] for table in tables])
+                    found = _pulled_back(step, given, inputs, cotangent)
                     by_tau[k if is_each else ...] += found["tau"]
                 start = gradient_by_coordinates(robot, q[0], found["q"])
             return None, None, None, start, found["v"], by_tau

@@ -136,10 +136,8 @@ def rollout(
         if autograd.is_recording():
             if out is not None:
                 raise TypeError("out= has no gradients: detach the arguments, or call without out=")
-            if list(step.arguments) != ["q", "v", "tau", "h"]:
-                raise DeviceError(f"a rollout of {step.name} has no gradients: call the step for each step, or detach")
-            q_end, v_end, q_all, v_all = autograd.rollout(step, given, torques, steps, trajectory)
-            return DeviceRollout(q_end, v_end, q_all, v_all, {})
+            q_end, v_end, q_all, v_all, *others = autograd.rollout(step, given, torques, steps, trajectory)
+            return DeviceRollout(q_end, v_end, q_all, v_all, dict(zip(state_names(step)[2:], others, strict=True)))
     names = state_names(step)[2:]
     if trajectory:
         places = kept_states(step, given, torques, steps)

@@ -1,6 +1,8 @@
 //! The same functions on this processor: machine code of the graph that the device's code is written from.
 //! Where there is no encoder for the processor, the graph is interpreted, state by state.
 
+use core::ops::Add;
+
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use robot_dynamics::model::Model;
@@ -19,6 +21,11 @@ use crate::threads;
 
 /// States that one thread computes at once: a multiple of the lanes of every register.
 const STATES_PER_PIECE: usize = 256;
+
+/// A number that is computed with on this processor.
+trait CpuNumber: Float + ArrayNumber + Default + Add<Output = Self> {}
+
+impl<T: Float + ArrayNumber + Default + Add<Output = T>> CpuNumber for T {}
 
 /// A function of one robot for this processor.
 struct CpuFunction<T> {
@@ -54,7 +61,7 @@ struct Piece<'a, T> {
     outputs: Vec<&'a mut [T]>,
 }
 
-impl<T: Float + ArrayNumber + Default + core::ops::Add<Output = T>> CpuFunction<T> {
+impl<T: CpuNumber> CpuFunction<T> {
     fn new(model: &Model, function: Function) -> PyResult<Self> {
         let arithmetic = Arithmetic::new(T::PRECISION);
         let reads: Vec<usize> = function.reads(model).iter().map(|table| table.width()).collect();
@@ -137,7 +144,7 @@ impl<T: Float + ArrayNumber + Default + core::ops::Add<Output = T>> CpuFunction<
     }
 }
 
-impl<T: Float + ArrayNumber> Expression<T> {
+impl<T: CpuNumber> Expression<T> {
     fn new(
         graph: &Graph,
         plan: &Plan,
@@ -264,7 +271,7 @@ impl CpuFunctions {
     }
 }
 
-fn run<T: Float + ArrayNumber>(
+fn run<T: CpuNumber>(
     py: Python<'_>,
     functions: &[CpuFunction<T>],
     name: &str,
@@ -280,7 +287,7 @@ fn run<T: Float + ArrayNumber>(
 }
 
 /// Computes a function of the states in these tables.
-fn compute<T: Float + ArrayNumber>(
+fn compute<T: CpuNumber>(
     functions: &[CpuFunction<T>],
     name: &str,
     inputs: &[&[T]],
