@@ -104,8 +104,8 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a stage, and returns its index.
-    fn add(&mut self, function: Function) -> Result<usize, GenerateError> {
-        let program = Program::new(&function, self.model, self.arithmetic, 1)?;
+    fn add(&mut self, function: &Function) -> Result<usize, GenerateError> {
+        let program = Program::new(function, self.model, self.arithmetic, 1)?;
         let layout = Layout::straight(&program.graph, &program.plan);
         self.stages.push(Stage { program, layout });
         Ok(self.stages.len() - 1)
@@ -124,10 +124,10 @@ impl<'a> Builder<'a> {
 
     /// The problem, the velocity with the initial multipliers, sweeps, the end.
     fn step(mut self, sweeps: usize) -> Result<Stages, GenerateError> {
-        let problem = self.add(Function::ContactProblem)?;
-        let start = self.add(Function::ContactStart)?;
-        let sweep = self.add(Function::ContactSweep)?;
-        let end = self.add(Function::ContactEnd)?;
+        let problem = self.add(&Function::ContactProblem)?;
+        let start = self.add(&Function::ContactStart)?;
+        let sweep = self.add(&Function::ContactSweep)?;
+        let end = self.add(&Function::ContactEnd)?;
         let (nv, np) = (self.model.nv(), self.length(sweep, 1));
         let table = self.local("problem", self.length(problem, 0));
         let [v0, v1] = ["v0", "v1"].map(|name| self.local(name, nv));
@@ -161,11 +161,11 @@ impl<'a> Builder<'a> {
     /// the problem. The weights λ of p satisfy λ = T_pᵀλ + U_pᵀμ, where μ are those of the velocity U(p, w).
     /// The same number of iterations computes them, each of which is one pullback of (U, T).
     fn pullback(mut self, sweeps: usize) -> Result<Stages, GenerateError> {
-        let problem = self.add(Function::ContactProblem)?;
-        let start = self.add(Function::ContactStart)?;
-        let end = self.add(Function::ContactEnd.pullback())?;
-        let fixed = self.add(Function::ContactFixedPoint.pullback())?;
-        let begun = self.add(Function::ContactProblem.pullback())?;
+        let problem = self.add(&Function::ContactProblem)?;
+        let start = self.add(&Function::ContactStart)?;
+        let end = self.add(&Function::ContactEnd.pullback())?;
+        let fixed = self.add(&Function::ContactFixedPoint.pullback())?;
+        let begun = self.add(&Function::ContactProblem.pullback())?;
         let (nv, np, nw) = (self.model.nv(), self.length(fixed, 2), self.length(problem, 0));
         let table = self.local("problem", nw);
         let [free, velocity, by_q] = ["free", "velocity", "by_q"].map(|name| self.local(name, nv));
@@ -272,7 +272,7 @@ mod tests {
                 sliding += usize::from(impulse[0] > 0.0 && tangential > 0.999 * friction * impulse[0]);
             }
             let inputs =
-                vec![q.clone(), v.clone(), tau.clone(), vec![H], vec![friction], impulses, cotangent.clone()];
+                [q.clone(), v.clone(), tau.clone(), vec![H], vec![friction], impulses, cotangent.clone()];
             let arguments = function.arguments(&model);
             let tables = (arguments.iter().map(|x| x.name)).zip(inputs.iter().map(Vec::as_slice)).collect();
             let found = interpreted(&stages, Arithmetic::default(), tables, &outcomes(&function, &model));

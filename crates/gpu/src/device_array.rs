@@ -113,6 +113,9 @@ impl<T: DeviceFloat> DeviceArray<T> {
 
 impl<T> core::fmt::Debug for DeviceArray<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("DeviceArray").field("device", &self.memory.name()).field("len", &self.len).finish()
+        f.debug_struct("DeviceArray")
+            .field("device", &self.memory.name())
+            .field("len", &self.len)
+            .finish_non_exhaustive()
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
-use crate::program::{Call, Instruction, Place, Program, Stage, Stages};
+use crate::program::{Call, Instruction, Place, Program, ProgramResult, Stage, Stages};
 use crate::syntax::Syntax;
 
 /// The private memory, and the parts of each call: a function of WGSL cannot take a part of a table.
@@ -39,7 +39,7 @@ fn instructions(
 ) {
     let width = |table: &str| {
         let argument = program.arguments.iter().find(|x| x.name == table).map(|x| x.length);
-        let outcome = program.outcomes.iter().find(|x| x.name == table).map(|x| x.length());
+        let outcome = program.outcomes.iter().find(|x| x.name == table).map(ProgramResult::length);
         argument.or(outcome).expect("a table of the function")
     };
     let number = |place: &Place| match place {

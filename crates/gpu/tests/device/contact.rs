@@ -4,6 +4,7 @@ use robot_dynamics::description::{LinkShape, Pose, Shape, ShapeRole};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{ContactStep, ContactStepInputs};
+use robot_dynamics_generate::Table;
 use robot_dynamics_gpu::Function;
 
 use crate::robots;
@@ -27,7 +28,7 @@ fn quadrupeds_land_as_in_doubles() {
     let Some(device) = crate::device() else { return };
     let model = quadruped();
     let function = Function::ContactStep { sweeps: SWEEPS };
-    let mut batches = device.compile::<f32>(&model, &[function.clone()]).unwrap();
+    let mut batches = device.compile::<f32>(&model, std::slice::from_ref(&function)).unwrap();
     let step = ContactStep::new(&model, SWEEPS.into()).unwrap();
     let (nq, nv, np, count) = (model.nq(), model.nv(), step.impulse_count(), 100);
     let mut random = SplitMix64::new(11);
@@ -94,8 +95,8 @@ fn steps_have_the_same_bits_in_each_call() {
     let Some(device) = crate::device() else { return };
     let model = quadruped();
     let function = Function::ContactStep { sweeps: SWEEPS };
-    let mut batches = device.compile::<f32>(&model, &[function.clone()]).unwrap();
-    let widths: Vec<usize> = function.reads(&model).iter().map(|table| table.width()).collect();
+    let mut batches = device.compile::<f32>(&model, std::slice::from_ref(&function)).unwrap();
+    let widths: Vec<usize> = function.reads(&model).iter().map(Table::width).collect();
     let mut random = SplitMix64::new(2);
     #[allow(clippy::cast_possible_truncation)] // random singles
     let inputs: Vec<Vec<f32>> = widths

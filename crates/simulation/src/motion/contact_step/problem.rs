@@ -171,7 +171,9 @@ impl ContactStep {
 
     /// The rows of a contact, the inverses of its normal and its largest tangential mobility, and its bound.
     fn push_contact<S: Scalar>(&self, h: S, gap: S, rows: &[Vec<S>; 3], numbers: &mut Vec<S>) {
-        rows.iter().for_each(|row| numbers.extend_from_slice(row));
+        for row in rows {
+            numbers.extend_from_slice(row);
+        }
         let [normal, one, two] = rows;
         let (a, d) = (self.mobility(one), self.mobility(two));
         let b = one.iter().zip(two).fold(S::zero(), |sum, (&x, &y)| sum + x * y);
