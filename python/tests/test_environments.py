@@ -293,7 +293,7 @@ print(seen.tobytes().hex())
 
 def test_environments_run_without_gymnasium_and_give_the_same_bits() -> None:
     pytest.importorskip("gymnasium")
-    run = subprocess.run([sys.executable, "-c", WITHOUT_GYMNASIUM], capture_output=True, text=True, check=True)
+    run = subprocess.run([sys.executable, "-P", "-c", WITHOUT_GYMNASIUM], capture_output=True, text=True, check=True)
     envs = Walk(3, horizon=4)
     envs.reset(seed=5)
     for _ in range(7):
