@@ -474,6 +474,7 @@ RETURNS = {
     "_defaults": "_Record",
     "_xla_handlers": "dict[str, object]",
     "_device_signature": "tuple[_Tables, _Tables]",
+    "_contact_links": "list[str]",
     "_compute": "None",
     "_random_robot": "str",
     "_write_text": "None",

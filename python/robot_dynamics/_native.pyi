@@ -28,9 +28,12 @@ _Memory: TypeAlias = Sequence[object]
 # Names and shapes of tables.
 _Tables: TypeAlias = list[tuple[str, list[int]]]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'CpuFunctions', 'CudaDevice', 'CudaFunctions', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_defaults', '_device_signature', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'CpuFunctions', 'CudaDevice', 'CudaFunctions', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_contact_links', '_defaults', '_device_signature', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
+
+def _contact_links(robot: Robot) -> list[str]:
+    """The link of each contact point of a step with contact, in the order of its multipliers."""
 
 def _defaults() -> _Record:
     """The default values of options that the Rust library defines."""

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_dynamics.device_walk import DeviceWalk
 from robot_dynamics.errors import DescriptionError
 from robot_dynamics.lifting import Lift
 from robot_dynamics.loading import example, loads
@@ -173,6 +174,7 @@ _register()
 
 __all__ = [
     "DIVERGED_SPEED",
+    "DeviceWalk",
     "LeggedRobot",
     "Lift",
     "PENDULUM",

@@ -16,12 +16,10 @@ from robot_dynamics.ground import AnyGround, Ground, HeightField
 from robot_dynamics.loading import example
 from robot_dynamics.robot import Robot
 from robot_dynamics.robot_env import RobotEnv
+from robot_dynamics.walking_terms import WalkingState, gravity_direction, has_failed, observation, reward_terms
 
 CONTACT_FORCE = 1.0
 """Force from which a link counts as in contact [N]."""
-
-LARGEST_TILT = 0.5
-"""Cosine of the angle from upright at which an episode fails."""
 
 MARGIN = 0.5
 """Distance to the edge of a height field at which an episode ends [m]."""
@@ -256,8 +254,8 @@ class Walk(RobotEnv):
     @property
     def gravity_direction(self) -> NDArray[np.float64]:
         """Direction of gravity in the base's frame (num_envs, 3)."""
-        x, y, z, w = self.q[:, 3:7].T
-        return np.stack([2.0 * (w * y - x * z), -2.0 * (y * z + w * x), 2.0 * (x * x + y * y) - 1.0], axis=1)
+        direction: NDArray[np.float64] = gravity_direction(np, self.q)
+        return direction
 
     def ground_height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Height of the ground at points of the world; NaN where there is none.
@@ -321,8 +319,8 @@ class Walk(RobotEnv):
 
     def fail(self) -> NDArray[np.bool_]:
         """Whether the base touches something, or tilts."""
-        is_tilted: NDArray[np.bool_] = self.gravity_direction[:, 2] > -LARGEST_TILT
-        return self.has_contact[:, len(self.machine.feet)] | is_tilted
+        failed: NDArray[np.bool_] = has_failed(self._state())
+        return failed
 
     def leave(self) -> NDArray[np.bool_]:
         """Whether the base is near the edge of the ground."""
@@ -333,56 +331,34 @@ class Walk(RobotEnv):
 
     def observe(self) -> NDArray[np.float64]:
         """Velocities and gravity in the base, command, joints, and last actions."""
-        moved = self.robot.actuated_dofs
-        angles = self.q[:, self.controlled] - self.posture[self.controlled]
-        scale = np.array([2.0, 2.0, 0.25])
-        return np.concatenate(
-            [
-                2.0 * self.v[:, :3],
-                0.25 * self.v[:, 3:6],
-                self.gravity_direction,
-                scale * self.command,
-                angles,
-                0.05 * self.v[:, moved],
-                self.last_actions,
-                np.sin(2.0 * np.pi * self.phase)[:, np.newaxis],
-                np.cos(2.0 * np.pi * self.phase)[:, np.newaxis],
-            ],
-            axis=1,
-        )
+        seen: NDArray[np.float64] = observation(self._state())
+        return seen
 
     def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weighted terms, at least 0."""
-        moved, v, feet = self.robot.actuated_dofs, self.v, self.air_time.shape[1]
-        gravity = self.gravity_direction
-        error = ((self.command[:, :2] - v[:, :2]) ** 2).sum(axis=1)
-        height = self.q[:, 2] - self.ground_height(self.q[:, 0], self.q[:, 1]) - self.machine.height
-        walks = np.abs(self.command).max(axis=1) > 0.1
-        self.terms = {
-            "linear_velocity": np.exp(-error / 0.25),
-            "yaw_rate": np.exp(-((self.command[:, 2] - v[:, 5]) ** 2) / 0.25),
-            "vertical_velocity": v[:, 2] ** 2,
-            "roll_pitch_rate": (v[:, 3:5] ** 2).sum(axis=1),
-            "tilt": (gravity[:, :2] ** 2).sum(axis=1),
-            "height": np.nan_to_num(height) ** 2,
-            "torque": (self.simulations.applied_torques[:, moved] ** 2).sum(axis=1),
-            "joint_acceleration": (self.simulations.acceleration[:, moved] ** 2).sum(axis=1),
-            "action_rate": ((self.last_actions - self.earlier_actions) ** 2).sum(axis=1),
-            "collision": self.has_contact[:, feet + 1 :].sum(axis=1).astype(np.float64),
-            "gait": self._gait(walks),
-            "air_time": (np.where(self._landed > 0.0, self._landed - 0.5 * self.stride_time, 0.0)).sum(axis=1) * walks / self.control_period,
-        }
+        self.terms = reward_terms(self._state(), self.machine.phases, self.stride_time, self.control_period)
         total = sum(self.weights[name] * term for name, term in self.terms.items())
         rewards: NDArray[np.float64] = self.control_period * np.maximum(total, 0.0)
         return rewards
 
-    def _gait(self, walks: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Agreement of the contacts of the feet with the gait, from −1 to 1."""
-        if not self.machine.phases:
-            return np.zeros(self.num_envs)
-        on_ground = ((self.phase[:, np.newaxis] + np.array(self.machine.phases)) % 1.0 < 0.5) | ~walks[:, np.newaxis]
-        agreement: NDArray[np.float64] = np.where(self.has_contact[:, : len(self.machine.feet)] == on_ground, 1.0, -1.0).mean(axis=1)
-        return agreement
+    def _state(self) -> WalkingState:
+        moved = self.robot.actuated_dofs
+        return WalkingState(
+            xp=np,
+            v=self.v,
+            gravity=self.gravity_direction,
+            command=self.command,
+            angles=self.q[:, self.controlled] - self.posture[self.controlled],
+            joint_velocities=self.v[:, moved],
+            height=self.q[:, 2] - self.ground_height(self.q[:, 0], self.q[:, 1]) - self.machine.height,
+            torques=self.simulations.applied_torques[:, moved],
+            accelerations=self.simulations.acceleration[:, moved],
+            has_contact=self.has_contact,
+            landed=self._landed,
+            phase=self.phase,
+            last_actions=self.last_actions,
+            earlier_actions=self.earlier_actions,
+        )
 
 
 __all__ = ["LeggedRobot", "REWARDS", "Walk", "humanoid", "quadruped", "rough_ground"]

@@ -7,7 +7,7 @@ mod xla;
 
 pub(crate) use cpu::CpuFunctions;
 pub(crate) use cuda::{CudaDevice, CudaFunctions};
-pub(crate) use signature::_device_signature;
+pub(crate) use signature::{_contact_links, _device_signature};
 pub(crate) use xla::{cpu_call, cuda_call};
 
 use pyo3::prelude::*;

@@ -106,7 +106,7 @@ mod native {
     #[pymodule_export]
     use super::description::JointMap;
     #[pymodule_export]
-    use super::device::{_device_signature, CpuFunctions, CudaDevice, CudaFunctions};
+    use super::device::{_contact_links, _device_signature, CpuFunctions, CudaDevice, CudaFunctions};
     #[pymodule_export]
     use super::files::{_html, _random_robot, _visible, _write_text};
     #[pymodule_export]

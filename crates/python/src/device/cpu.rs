@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use robot_dynamics::model::Model;
 use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, interpret};
 use robot_dynamics_functions::TracedFunction;
-use robot_dynamics_generate::{Function, FunctionError, StagedFunction};
+use robot_dynamics_generate::{Function, FunctionError, StageExpression, StagedFunction, Table};
 use robot_dynamics_native::{Float, Kernel, Width, best_instructions};
 
 use super::functions_of;
@@ -38,7 +38,7 @@ struct CpuFunction<T> {
 
 /// One expression, or several in stages.
 enum FunctionBody<T> {
-    One(Expression<T>),
+    One(Box<Expression<T>>),
     Staged(StagedFunction, Vec<Expression<T>>),
 }
 
@@ -64,27 +64,24 @@ struct Piece<'a, T> {
 impl<T: CpuNumber> CpuFunction<T> {
     fn new(model: &Model, function: Function) -> PyResult<Self> {
         let arithmetic = Arithmetic::new(T::PRECISION);
-        let reads: Vec<usize> = function.reads(model).iter().map(|table| table.width()).collect();
-        let writes = function.writes(model).iter().map(|table| table.width()).collect();
+        let reads: Vec<usize> = function.reads(model).iter().map(Table::width).collect();
+        let writes = function.writes(model).iter().map(Table::width).collect();
         // A step with contact is fastest as one expression, and its pullback has stages only.
         let staged = if matches!(function, Function::ContactStep { .. }) {
             None
         } else {
             StagedFunction::new(&function, model, arithmetic).transpose().map_err(exception)?
         };
-        let body = match staged {
-            Some(staged) => {
-                let expressions = staged
-                    .expressions()
-                    .map(|one| Expression::new(one.graph, one.plan, one.results, one.reads(), arithmetic));
-                let expressions = expressions.collect();
-                FunctionBody::Staged(staged, expressions)
-            }
-            None => {
-                let TracedFunction { graph, plan, results, .. } =
-                    &function.trace(model, arithmetic).map_err(exception)?;
-                FunctionBody::One(Expression::new(graph, plan, results, reads.clone(), arithmetic))
-            }
+        let body = if let Some(staged) = staged {
+            let expression = |one: StageExpression<'_>| {
+                Expression::new(one.graph, one.plan, one.results, one.reads(), arithmetic)
+            };
+            let all = staged.expressions().map(expression).collect();
+            FunctionBody::Staged(staged, all)
+        } else {
+            let TracedFunction { graph, plan, results, .. } =
+                &function.trace(model, arithmetic).map_err(exception)?;
+            FunctionBody::One(Box::new(Expression::new(graph, plan, results, reads.clone(), arithmetic)))
         };
         Ok(Self { function, reads, writes, body })
     }
@@ -120,7 +117,9 @@ impl<T: CpuNumber> CpuFunction<T> {
         let pieces: Vec<_> = (0..states).step_by(STATES_PER_PIECE).map(piece).collect();
         if threads == 1 || pieces.len() == 1 {
             let mut scratch = self.scratch();
-            pieces.into_iter().for_each(|piece| self.compute_piece(piece, &mut scratch));
+            for piece in pieces {
+                self.compute_piece(piece, &mut scratch);
+            }
             return Ok(());
         }
         threads::pool(threads).map_err(|error| error.to_string())?.install(|| {

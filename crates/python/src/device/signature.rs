@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::description::{JointDescription, JointKind, LinkDescription, Pose, pendulum};
 use robot_dynamics::model::Model;
+use robot_dynamics::simulation::ContactStep;
 use robot_dynamics_generate::{Function, Table};
 
 use crate::errors::exception;
@@ -48,4 +49,10 @@ fn reference() -> PyResult<Model> {
     let (kind, parent) = (JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, robot.links[1].name.clone());
     robot.joints.push(JointDescription::new("second", kind, parent, "second", Pose::IDENTITY));
     Model::new(robot).map_err(exception)
+}
+
+/// The link of each contact point of a step with contact, in the order of its multipliers.
+#[pyfunction]
+pub(crate) fn _contact_links(robot: &Bound<'_, Robot>) -> PyResult<Vec<String>> {
+    Ok(ContactStep::new(&robot.get().model, 1).map_err(exception)?.links().to_vec())
 }
