@@ -138,11 +138,12 @@ impl ContactStep {
     /// closed loop or another equality.
     pub fn new(model: &Model, sweeps: usize) -> Result<Self, InvalidInput> {
         if sweeps == 0 {
-            return Err(InvalidInput::unmet("the number of sweeps", "at least 1"));
+            return Err(InvalidInput::unmet("the number of sweeps", "must be at least 1"));
         }
         if let Some(equality) = model.description().equalities.first() {
             let quantity = format!("equality `{}`", equality.name);
-            return Err(InvalidInput::unmet(quantity, "absent: a contact step has no equalities"));
+            let wanted = "must be removed: a step with contact by sweeps has no equalities";
+            return Err(InvalidInput::unmet(quantity, wanted));
         }
         let shapes = shapes_on_ground(model)?;
         let mut damping = vec![0.0; model.nv()];

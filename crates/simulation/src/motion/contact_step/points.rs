@@ -48,8 +48,9 @@ pub(super) fn shapes_on_ground(model: &Model) -> Result<Vec<ContactShapePoints>,
         let moving = model.coordinates_between(robot_dynamics_core::model::WORLD, body);
         let Some(&coordinate) = moving.last() else { continue };
         let form = Form::of(&shape.shape).ok_or_else(|| {
-            let quantity = format!("the collision shape `{}` of link `{}`", shape.name, shape.link);
-            let wanted = "a sphere, capsule, box, cylinder or ellipsoid; remove or replace it";
+            let name = if shape.name.is_empty() { String::new() } else { format!(" `{}`", shape.name) };
+            let quantity = format!("the collision shape{name} of link `{}`", shape.link);
+            let wanted = "must be a sphere, capsule, box, cylinder or ellipsoid: remove or replace it";
             InvalidInput::unmet(quantity, wanted)
         })?;
         shapes.push(ContactShapePoints {
