@@ -99,7 +99,7 @@ impl JointRowKind {
 /// Contacts between links are not computed.
 ///
 /// ```
-/// use robot_dynamics::description::{Base, LinkShape, Pose, Shape, ShapeRole, pendulum};
+/// use robot_dynamics::description::{LinkShape, Pose, Shape, ShapeRole, pendulum};
 /// use robot_dynamics::model::{Model, Workspace};
 /// use robot_dynamics::simulation::{ContactStep, ContactStepInputs};
 /// let mut robot = pendulum(2.0, 0.5);
@@ -109,7 +109,7 @@ impl JointRowKind {
 /// let step = ContactStep::new(&model, 16)?;
 /// let mut impulses = vec![0.0; step.impulse_count()];
 /// // The ball at the end of the rod, level with the hinge at z = 0, is below the ground and is lifted.
-/// let (mut q, mut v, before) = ([0.0], [0.0], impulses.clone());
+/// let (mut q, mut v, before) = ([0.0_f64], [0.0_f64], impulses.clone());
 /// let inputs = ContactStepInputs::new([&[0.0], &[0.0], &[0.0]], 0.01, 0.8, &before);
 /// step.step(&model, &mut Workspace::new(&model), &inputs, &mut q, &mut v, &mut impulses);
 /// assert!((0.5 * v[0].abs() - 0.1 / 0.11).abs() < 1e-6); // gap/(h + 0.1 s) at 0.5 m
