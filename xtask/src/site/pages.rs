@@ -21,7 +21,7 @@ const FOLDERS: [(&str, &str); 4] =
 const DECISION: &str = "decision-";
 
 /// Other documents, and their names as pages.
-const DOCUMENTS: [(&str, &str); 14] = [
+const DOCUMENTS: [(&str, &str); 15] = [
     ("NOTATION.md", "notation.md"),
     ("ARCHITECTURE.md", "architecture.md"),
     ("CONTRIBUTING.md", "contributing.md"),
@@ -36,6 +36,7 @@ const DOCUMENTS: [(&str, &str); 14] = [
     ("lab/README.md", "lab-sources.md"),
     ("bench/README.md", "benchmarks.md"),
     ("bench/robots/README.md", "robot-surveys.md"),
+    ("bench/learning/README.md", "contact-benchmarks.md"),
 ];
 
 /// The first page, and the order of all that follows it.
