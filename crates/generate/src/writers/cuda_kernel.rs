@@ -8,14 +8,27 @@ use crate::layout::Layout;
 use crate::program::Program;
 use crate::syntax::Syntax;
 
+/// The tables of a function with their widths: arguments, then results.
+fn tables(program: &Program) -> impl Iterator<Item = (&str, usize)> {
+    let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
+    program.arguments.iter().map(|x| (x.name, x.length)).chain(outcomes)
+}
+
+/// The pointers to the tables of a function, as parameters.
+pub(super) fn parameters(number: &str, program: &Program) -> String {
+    let constants = program.arguments.iter().map(|x| format!("const {number} *__restrict__ {}", x.name));
+    let outcomes = program.outcomes.iter().map(|x| format!("{number} *__restrict__ {}", x.name));
+    constants.chain(outcomes).collect::<Vec<_>>().join(", ")
+}
+
 /// The head of a kernel, which moves the pointers to the numbers of a thread's state.
-pub(super) fn head(name: &str, parameters: &str, tables: &[(&str, usize)]) -> String {
+pub(super) fn head(name: &str, parameters: &str, program: &Program) -> String {
     let mut text = format!(
         "extern \"C\" __global__ void {name}({parameters}, const int count, const int by_columns) {{\n    \
          const int state = blockIdx.x * blockDim.x + threadIdx.x;\n    if (state >= count) {{\n        return;\n    }}\n    \
          const size_t s = by_columns ? count : 1;\n"
     );
-    for (x, length) in tables {
+    for (x, length) in tables(program) {
         let _ = writeln!(text, "    {x} += (size_t)state * (by_columns ? 1 : {length});");
     }
     text
@@ -25,13 +38,7 @@ pub(super) fn head(name: &str, parameters: &str, tables: &[(&str, usize)]) -> St
 pub(super) fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
     let number = syntax.number();
     let name = format!("{}{}", syntax.prefix, program.symbol);
-    let arguments = program.arguments.iter().map(|x| (x.name, x.length));
-    let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
-    let constants = arguments.clone().map(|(x, _)| format!("const {number} *__restrict__ {x}"));
-    let whole: Vec<String> =
-        constants.chain(outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"))).collect();
-    let whole = whole.join(", ");
-    let all: Vec<(&str, usize)> = arguments.chain(outcomes).collect();
+    let whole = parameters(number, program);
     let input =
         |argument: usize, index: AffineIndex| format!("{}[{index} * s]", program.arguments[argument].name);
     let store = |result: usize, index: AffineIndex, text: &str| {
@@ -56,11 +63,11 @@ pub(super) fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> 
             body.part(part, "    ")
         );
     }
-    text += &head(&name, &whole, &all);
+    text += &head(&name, &whole, program);
     if layout.array_length > 0 {
         let _ = writeln!(text, "    {number} w[{}];", layout.array_length);
     }
-    let names: Vec<&str> = all.iter().map(|(x, _)| *x).collect();
+    let names: Vec<&str> = tables(program).map(|(x, _)| x).collect();
     for part in 0..layout.parts.len() {
         let _ = writeln!(text, "    {name}_{part}({}, s{pass});", names.join(", "));
     }

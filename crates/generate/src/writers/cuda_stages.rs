@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::cuda_kernel::head;
+use super::cuda_kernel::{head, parameters};
 use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
 use crate::program::{Call, Instruction, Place, Program, Stage, Stages};
@@ -19,12 +19,7 @@ pub(super) fn staged_kernel(syntax: Syntax<'_>, program: &Program, stages: &Stag
         let (call, _) = calls.iter().find(|(call, _)| call.stage == index).expect("each stage is called");
         text += &parts(syntax, &name, stage, call);
     }
-    let arguments = program.arguments.iter().map(|x| (x.name, x.length));
-    let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
-    let constants = arguments.clone().map(|(x, _)| format!("const {number} *__restrict__ {x}"));
-    let results = outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"));
-    let whole = constants.chain(results).collect::<Vec<_>>().join(", ");
-    text += &head(&name, &whole, &arguments.chain(outcomes).collect::<Vec<_>>());
+    text += &head(&name, &parameters(number, program), program);
     let longest = stages.stages.iter().map(|stage| stage.layout.array_length).max().unwrap_or(0);
     for (table, length) in stages.locals.iter().chain([&("w", longest)]) {
         let _ = writeln!(text, "    {number} own_{table}[{}];", (*length).max(1));
@@ -90,9 +85,7 @@ fn parts(syntax: Syntax<'_>, name: &str, stage: &Stage, call: &Call) -> String {
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    let constants = program.arguments.iter().map(|x| format!("const {number} *__restrict__ {}", x.name));
-    let outcomes = program.outcomes.iter().map(|x| format!("{number} *__restrict__ {}", x.name));
-    let whole = constants.chain(outcomes).collect::<Vec<_>>().join(", ");
+    let whole = parameters(number, program);
     let part = |part: usize| {
         format!(
             "static __device__ __noinline__ void {name}_{}_{part}({whole}, const size_t s, {number} *__restrict__ w) {{\n{}}}\n\n",
