@@ -6,45 +6,12 @@ of a floating joint, and w = 2 (q* ⊗ q̇)/|q|² for a quaternion.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
+
+from robot_dynamics.coordinate_ranges import coordinate_ranges
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
-
-
-class CoordinateRange(NamedTuple):
-    """Slices of q and of v for the same joints."""
-
-    q: slice
-    """Slice of the configuration."""
-    v: slice
-    """Slice of the velocity."""
-    has_quaternion: bool
-    """Whether the last four numbers of q are a quaternion; otherwise q and v have the same numbers here."""
-
-
-def coordinate_ranges(robot: Robot) -> list[CoordinateRange]:
-    """Joints with quaternions, and the ranges between them.
-
-    Parameters
-    ----------
-    robot : Robot
-        Robot.
-
-    Returns
-    -------
-    list of CoordinateRange
-        Slices, in the order of q.
-    """
-    found: list[CoordinateRange] = []
-    for joint in robot.joints:
-        width, rates = joint.q.stop - joint.q.start, joint.v.stop - joint.v.start
-        if width > rates or not found or found[-1].has_quaternion:
-            found.append(CoordinateRange(joint.q, joint.v, width > rates))
-        elif width:
-            last = found.pop()
-            found.append(CoordinateRange(slice(last.q.start, joint.q.stop), slice(last.v.start, joint.v.stop), False))
-    return found
 
 
 def gradient_by_coordinates(robot: Robot, q: Any, gradient: Any) -> Any:
