@@ -14,7 +14,7 @@ from robot_dynamics._native import _contact_links
 from robot_dynamics.errors import DescriptionError
 from robot_dynamics.gpu import Device
 from robot_dynamics.robot import Robot
-from robot_dynamics.walking import CONTACT_FORCE, REWARDS, STANDING, LeggedRobot, quadruped
+from robot_dynamics.walking import COMMANDS, CONTACT_FORCE, STANDING, LeggedRobot, Range, quadruped, reward_weights
 from robot_dynamics.walking_terms import WalkingState, gravity_direction, has_failed, observation, reward_terms
 
 Tensor: TypeAlias = Any
@@ -87,7 +87,7 @@ class DeviceWalk:
         machine: LeggedRobot | None = None,
         *,
         device: str | None = None,
-        commands: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = ((-0.6, 1.0), (-0.4, 0.4), (-0.8, 0.8)),
+        commands: tuple[Range, Range, Range] = COMMANDS,
         command_time: float = 5.0,
         stride_time: float = 0.5,
         rewards: Mapping[str, float] | None = None,
@@ -101,10 +101,7 @@ class DeviceWalk:
         import torch
 
         self.machine = quadruped() if machine is None else machine
-        unknown = [name for name in rewards or () if name not in REWARDS]
-        if unknown:
-            raise ValueError(f"there is no reward {unknown[0]!r}; there are {', '.join(REWARDS)}")
-        self.weights = dict(REWARDS) | dict(rewards or {})
+        self.weights = reward_weights(rewards)
         """Weights of the rewards by name, per second."""
         machine = self.machine
         self.robot = _touching(machine.robot, [*machine.feet, machine.base])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,35 @@ REWARDS: Mapping[str, float] = {
     "air_time": 0.0,
 }
 """Weights of the terms of `Walk.reward`, per second."""
+
+Range: TypeAlias = tuple[float, float]
+
+COMMANDS: tuple[Range, Range, Range] = ((-0.6, 1.0), (-0.4, 0.4), (-0.8, 0.8))
+"""Ranges of the commanded velocities forward and to the left [m/s], and of the yaw rate [rad/s]."""
+
+
+def reward_weights(replaced: Mapping[str, float] | None) -> dict[str, float]:
+    """Weights of the rewards by name, per second.
+
+    Parameters
+    ----------
+    replaced : mapping of str to float, optional
+        Weights that replace those of `REWARDS`.
+
+    Returns
+    -------
+    dict of str to float
+        All weights.
+
+    Raises
+    ------
+    ValueError
+        A reward is unknown.
+    """
+    unknown = [name for name in replaced or () if name not in REWARDS]
+    if unknown:
+        raise ValueError(f"there is no reward {unknown[0]!r}; there are {', '.join(REWARDS)}")
+    return dict(REWARDS) | dict(replaced or {})
 
 
 @dataclass(frozen=True)
@@ -213,16 +242,14 @@ class Walk(RobotEnv):
         machine: LeggedRobot | None = None,
         *,
         ground: AnyGround | None = None,
-        commands: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = ((-0.6, 1.0), (-0.4, 0.4), (-0.8, 0.8)),
+        commands: tuple[Range, Range, Range] = COMMANDS,
         command_time: float = 5.0,
         stride_time: float = 0.5,
         rewards: Mapping[str, float] | None = None,
         **options: Any,
     ) -> None:
         self.machine = quadruped() if machine is None else machine
-        unknown = [name for name in rewards or () if name not in REWARDS]
-        if unknown:
-            raise ValueError(f"there is no reward {unknown[0]!r}; there are {', '.join(REWARDS)}")
+        weights = reward_weights(rewards)
         robot, self.ground = self.machine.robot, Ground() if ground is None else ground
         stiffness, damping = self.machine.gains()
         defaults: dict[str, Any] = {"dt": 4e-3, "substeps": 5, "horizon": 1000, "integrator": "mujoco", "only_contacts": []}
@@ -230,7 +257,7 @@ class Walk(RobotEnv):
         defaults |= {"action_scale": self.machine.action_scale}
         joints = int(robot.actuated_dofs.sum())
         super().__init__(num_envs, robot, observations=14 + 3 * joints, ground=self.ground, **(defaults | options))
-        self.weights = dict(REWARDS) | dict(rewards or {})
+        self.weights = weights
         """Weights of the rewards by name, per second."""
         self.commands, self.stride_time = np.array(commands), stride_time
         self._command_steps = max(1, round(command_time / self.control_period))
