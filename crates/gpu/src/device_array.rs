@@ -62,7 +62,7 @@ impl<T: DeviceFloat> DeviceArray<T> {
         self.len
     }
 
-    /// Whether there are none.
+    /// Whether the array is empty.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

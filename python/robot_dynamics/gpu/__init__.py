@@ -4,7 +4,7 @@
     import robot_dynamics as rd
 
     robot = rd.example("panda")
-    device = rd.gpu.Device()                       # the first card; this processor if there is none
+    device = rd.gpu.Device()                       # the first card; this processor if there is no card
     pandas = device.compile(robot, ["forward_dynamics", "rk4_step"], dtype="float32")
 
     q = torch.zeros(65_536, robot.nq, device=device.name)
