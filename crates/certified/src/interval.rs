@@ -59,6 +59,25 @@ impl Interval {
         Self { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
     }
 
+    /// The numbers that are in both; `None` if there are none.
+    ///
+    /// ```
+    /// use robot_dynamics_certified::Interval;
+    /// let x = Interval::new(0.0, 2.0).intersection(Interval::new(1.0, 3.0));
+    /// assert_eq!(x, Some(Interval::new(1.0, 2.0)));
+    /// assert_eq!(Interval::from(0.0).intersection(Interval::from(1.0)), None);
+    /// ```
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        let (lower, upper) = (self.lower.max(other.lower), self.upper.min(other.upper));
+        (lower <= upper).then_some(Self { lower, upper })
+    }
+
+    /// Both halves, which share the middle.
+    pub fn halves(self) -> [Self; 2] {
+        let middle = self.middle();
+        [Self { lower: self.lower, upper: middle }, Self { lower: middle, upper: self.upper }]
+    }
+
     /// The least number.
     pub const fn lower(self) -> f64 {
         self.lower

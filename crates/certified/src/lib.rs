@@ -10,6 +10,12 @@
 //! | [`forward_dynamics`] | an enclosure of a, by an approximate inverse of M |
 //! | [`solve`] | an enclosure of the solutions of M x = b for all M and b in intervals |
 //! | [`is_positive_definite`] | a proof that every symmetric matrix in an interval matrix is positive definite |
+//! | [`enclose_state`] | enclosures of all quantities at a state, and the digits that double precision has |
+//! | [`mass_matrix_definiteness`] | a proof that M is positive definite in a box of configurations |
+//! | [`ReachableSet`] | a convex set that contains every position of a frame |
+//! | [`torque_bounds`] | bounds of the torques of a motion for a set of robots |
+//! | [`Uncertainty`], [`Payload`] | such sets: masses, payload, friction and gravity in intervals |
+//! | [`PolynomialMotion`] | a motion as polynomials in time |
 //!
 //! # Rounding
 //! - A sum has the error e of TwoSum (Knuth, *The Art of Computer Programming* 2, §4.2.2), which is exact
@@ -26,13 +32,28 @@
 //! Sources: Moore, Kearfott, Cloud, *Introduction to Interval Analysis*, SIAM 2009; Rump, *Verification
 //! methods*, Acta Numerica 19 (2010).
 
+mod definite;
+mod digits;
 mod elementary;
 mod interval;
 mod linear;
+mod motion;
+mod reach;
 mod scalar;
+mod search;
+mod support;
+mod torque;
+mod uncertainty;
 
+pub use definite::{Definiteness, mass_matrix_definiteness};
+pub use digits::{EnclosedQuantity, EnclosedState, enclose_state};
 pub use interval::Interval;
 pub use linear::{EnclosureError, forward_dynamics, is_positive_definite, solve};
+pub use motion::{InvalidMotion, Piece, Polynomial, PolynomialMotion};
+pub use reach::{Farthest, ReachableSet};
+pub use search::{Divisions, SearchOptions};
+pub use torque::{Attained, TimePart, TorqueBounds, torque_bounds};
+pub use uncertainty::{InvalidUncertainty, Payload, Uncertainty};
 
 /// The code of the front page, compiled and run with the doc tests.
 #[cfg(doctest)]

@@ -15,8 +15,10 @@ use crate::Interval;
 pub enum EnclosureError {
     /// The matrix in the middle is singular, or a coefficient is unbounded.
     Singular,
-    /// The robot has joints with quaternions.
+    /// A quaternion is not a single number, or the task needs coordinates without quaternions.
     Quaternions,
+    /// An interval is unbounded.
+    Unbounded,
     /// The intervals are too wide: ‖1 − R M‖ is this number, which must be below 1.
     TooWide {
         /// The norm.
@@ -29,8 +31,9 @@ impl fmt::Display for EnclosureError {
         match self {
             Self::Singular => f.write_str("the matrix in the middle of the intervals is singular or unbounded"),
             Self::Quaternions => f.write_str(
-                "the robot has joints with quaternions, and a box of them contains numbers that are no rotation",
+                "a box of quaternions contains numbers that are no rotation: hold their joints (--lock, lock_joint)",
             ),
+            Self::Unbounded => f.write_str("an interval is unbounded: give finite bounds"),
             Self::TooWide { norm } => write!(
                 f,
                 "the intervals are too wide: the norm of 1 − R M is {norm:.3}, and must be below 1; divide the box"
@@ -46,9 +49,22 @@ impl Classified for EnclosureError {
         match self {
             Self::Singular => ErrorKind::Singular,
             Self::Quaternions => ErrorKind::Unsupported,
+            Self::Unbounded => ErrorKind::InvalidInput,
             Self::TooWide { .. } => ErrorKind::NotConverged,
         }
     }
+}
+
+/// Refuses unbounded boxes, and quaternions that are not single numbers.
+pub(crate) fn check_box(model: &Model, q: &[Interval]) -> Result<(), EnclosureError> {
+    assert_eq!(q.len(), model.nq(), "q has {} entries, but {} are needed", q.len(), model.nq());
+    if q.iter().any(|x| !x.is_bounded()) {
+        return Err(EnclosureError::Unbounded);
+    }
+    let quaternions = model.joints().iter().filter(|joint| joint.nq > joint.nv);
+    let is_box = |x: &Interval| x.lower() < x.upper();
+    let mut numbers = quaternions.flat_map(|joint| &q[joint.q()][joint.nq - 4..]);
+    if numbers.any(is_box) { Err(EnclosureError::Quaternions) } else { Ok(()) }
 }
 
 /// An enclosure of all solutions of M x = b, for every M and b in the intervals; M is n × n, row by row.
@@ -156,8 +172,8 @@ pub fn is_positive_definite(matrix: &[Interval], n: usize) -> bool {
     true
 }
 
-/// An enclosure of a = M(q)⁻¹(τ − C v − g) for all q, v and τ in the intervals. Robots without quaternions
-/// only: a box of quaternions contains numbers that are no rotation.
+/// An enclosure of a = M(q)⁻¹(τ − C v − g) for all q, v and τ in the intervals. Quaternions are single
+/// numbers: a box of them contains numbers that are no rotation.
 ///
 /// ```
 /// use robot_dynamics::description::{JointKinds, RandomRobotOptions, random_robot};
@@ -183,9 +199,7 @@ pub fn forward_dynamics(
     v: &[Interval],
     tau: &[Interval],
 ) -> Result<Vec<Interval>, EnclosureError> {
-    if !model.is_vector_space() {
-        return Err(EnclosureError::Quaternions);
-    }
+    check_box(model, q)?;
     let nv = model.nv();
     let mut workspace = Workspace::new(model);
     let mut mass = vec![Interval::from(0.0); nv * nv];
