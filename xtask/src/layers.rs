@@ -41,7 +41,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
         "verification",
         &["core", "description", "integrators", "nalgebra", "number", "serde", "simulation", "thiserror"],
     ),
-    ("certified", &["core", "nalgebra", "number"]),
+    ("certified", &["core", "nalgebra", "number", "serde_json"]),
     ("dynamics", &["core", "description", "integrators", "nalgebra", "number", "thiserror", "verification"]),
     ("xml", &["encoding_rs", "roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust"]),

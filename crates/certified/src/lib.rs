@@ -32,6 +32,7 @@
 //! Sources: Moore, Kearfott, Cloud, *Introduction to Interval Analysis*, SIAM 2009; Rump, *Verification
 //! methods*, Acta Numerica 19 (2010).
 
+mod certificate;
 mod definite;
 mod digits;
 mod elementary;
@@ -45,6 +46,7 @@ mod support;
 mod torque;
 mod uncertainty;
 
+pub use certificate::{Certificate, NoCertificate};
 pub use definite::{Definiteness, mass_matrix_definiteness};
 pub use digits::{EnclosedQuantity, EnclosedState, enclose_state};
 pub use interval::Interval;
@@ -54,6 +56,9 @@ pub use reach::{Farthest, ReachableSet};
 pub use search::{Divisions, SearchOptions};
 pub use torque::{Attained, TimePart, TorqueBounds, torque_bounds};
 pub use uncertainty::{InvalidUncertainty, Payload, Uncertainty};
+
+/// The Python program that checks certificates without this library.
+pub const CHECKER: &str = include_str!("../checker/check_certificate.py");
 
 /// The code of the front page, compiled and run with the doc tests.
 #[cfg(doctest)]

@@ -20,7 +20,7 @@ pub struct SearchOptions {
 
 impl Default for SearchOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-3, boxes: 200_000, threads: 0, interrupt: None }
+        Self { tolerance: 1e-2, boxes: 200_000, threads: 0, interrupt: None }
     }
 }
 

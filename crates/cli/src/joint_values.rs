@@ -65,6 +65,11 @@ impl NameOrValues {
 }
 
 impl JointValues {
+    /// The names with their numbers.
+    pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, &[f64])> {
+        self.0.iter().map(|(name, numbers)| (name.as_str(), &numbers[..]))
+    }
+
     /// The values, if each name has one number.
     pub(crate) fn single(&self) -> Result<Vec<(&str, f64)>, String> {
         let mut values = Vec::new();

@@ -6,6 +6,7 @@
 mod arguments;
 mod audit;
 mod bench;
+mod certify;
 mod columns;
 mod completions;
 mod compute;
@@ -51,6 +52,7 @@ enum Command {
     Simulate(Box<simulate::Arguments>),
     Audit(audit::Arguments),
     Bench(bench::Arguments),
+    Certify(certify::Arguments),
     Convert(convert::Arguments),
     Generate(generate::Arguments),
     Completions(completions::Arguments),
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Simulate(mut arguments) => simulate::run(&mut arguments),
         Command::Audit(arguments) => audit::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Certify(arguments) => certify::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
