@@ -19,7 +19,7 @@ macro_rules! pages {
 
 pages! {
     index start concepts load scene control touch motors optimal invert differentiate constrain identify time simulate push sensors batch
-    cluster publish conventions verified speed glossary command library cpp examples
+    cluster publish conventions verified certify speed glossary command library cpp examples
 }
 
 #[cfg(test)]

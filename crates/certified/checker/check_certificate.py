@@ -2,9 +2,9 @@
 
     python3 check_certificate.py certificate.json
 
-A number is an interval [lo, hi] of integers in units of 2^-BITS; each operation rounds outward. The equations are
-the Newton-Euler equations in the bodies' own frames, with a separate wrench for each link. The exit code is 0 if
-the claim is proven again, and 1 if not.
+A number is an interval [lo, hi] of integers in units of 2^-BITS; each operation rounds outward. The equations
+are the Newton-Euler equations in the bodies' own frames, with a separate wrench for each link. The exit code
+is 0 if the claim is proven again, and 1 if not.
 """
 
 import json
@@ -214,7 +214,7 @@ class Robot:
         return self.torques(i, force, moment)
 
     def unit_payload(self, frame):
-        """The torques for a unit of each of ten parameters of a body in a frame; a row for each coordinate."""
+        """The torques for a unit of each of ten parameters of a body in a frame, by coordinate."""
         (w, alpha, o), i = self.motion[frame["body"]], frame["body"]
         R = [[self.get(x) for x in row] for row in frame["rotation"]]
         p = [self.get(x) for x in frame["translation"]]
@@ -278,7 +278,7 @@ def is_definite(m):
 
 
 def largest_eigenvalue(s):
-    """A bound of all eigenvalues of the symmetric matrices in the intervals, by bisection with `is_definite`."""
+    """A bound of all eigenvalues of the symmetric matrices in the intervals, by bisection."""
     size = sum(x.mag() for row in s for x in row) + 1
     low, high = -size, size
     for _ in range(40):
@@ -399,7 +399,12 @@ def check_mass_matrix(data, claim):
         return "a rotor has a negative inertia"
     if claim["divisions"] is None:
         return None if all(has_energy(b) for b in data["bodies"]) else "a body has no inertia of its own"
-    robot, order, boxes = Robot(data, lambda x: x), iter(claim["divisions"]), [[tuple(x) for x in claim["q"]]]
+    robot, order, start = Robot(data, lambda x: x), iter(claim["divisions"]), [tuple(x) for x in claim["q"]]
+    used = [b["coordinate"] for b in data["bodies"]]
+    for b in data["bodies"]:  # M does not depend on the joints at the root
+        if b["parent"] is None and used.count(b["coordinate"]) == 1:
+            start[b["coordinate"]] = (0.0, 0.0)
+    boxes = [start]
     while boxes:
         box, k = boxes.pop(), next(order)
         if k < 0:

@@ -10,7 +10,7 @@ use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_number::{Classified, ErrorKind};
 use serde_json::{Value, json};
 
-use crate::definite::Definiteness;
+use crate::definite::{Definiteness, one_turn};
 use crate::digits::{EnclosedQuantity, EnclosedState};
 use crate::motion::PolynomialMotion;
 use crate::torque::TorqueBounds;
@@ -99,11 +99,12 @@ impl Certificate {
             Definiteness::ByDivision { tree, .. } => json!(tree.preorder()),
             _ => return Err(NoCertificate::Unproven),
         };
-        Self::new(model, json!({ "kind": "mass_matrix", "q": intervals(q), "divisions": divisions }))
+        let q = one_turn(model, q);
+        Self::new(model, json!({ "kind": "mass_matrix", "q": intervals(&q), "divisions": divisions }))
     }
 
-    /// A frame keeps n · p ≤ d in a box of configurations, for each pair of n and d. The checker uses a coarser
-    /// grid, so d should exceed the bound by 1 % of the chain's length.
+    /// A frame keeps n · p ≤ d in a box of configurations, for each pair of n and d. The checker uses a
+    /// coarser grid, so d should exceed the bound by 1 % of the chain's length.
     ///
     /// # Errors
     /// [`NoCertificate`] if a bound exceeds its d, or if the checker does not read such robots.
@@ -179,6 +180,7 @@ impl Certificate {
         Self::new(model, claim)
     }
 
+    #[allow(clippy::needless_pass_by_value)] // the certificate holds the claim
     fn new(model: &Model, claim: Value) -> Result<Self, NoCertificate> {
         if !model.is_vector_space() {
             return Err(NoCertificate::Quaternions);

@@ -5,12 +5,16 @@
 //! has energy: M is positive definite in every configuration. Otherwise the box is divided, and the pivots of
 //! M = L D Lᵀ are computed in intervals.
 
-use robot_dynamics_core::model::Body;
+use robot_dynamics_core::joint::PrimitiveJoint;
+use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
 
 use crate::linear::{check_box, is_positive_definite};
 use crate::search::{Divisions, SearchOptions, middle};
 use crate::{EnclosureError, Interval};
+
+/// A little more than a full turn.
+const FULL_TURN: f64 = 6.3;
 
 /// The result of a search for a proof.
 #[derive(Clone, Debug)]
@@ -73,7 +77,8 @@ pub fn mass_matrix_definiteness(
     if has_no_negative_rotor && model.bodies.iter().all(|body| has_energy(model, body)) {
         return Ok(Definiteness::ByOwnInertias);
     }
-    check_box(model, q)?;
+    let q = relevant(model, one_turn(model, q));
+    check_box(model, &q)?;
     let nv = model.nv();
     let mut workspace = Workspace::new(model);
     let mut mass = vec![Interval::from(0.0); nv * nv];
@@ -82,7 +87,7 @@ pub fn mass_matrix_definiteness(
         is_positive_definite(&mass, nv)
     };
     let mut tree = Divisions::root();
-    let mut pending = vec![(q.to_vec(), 0)];
+    let mut pending = vec![(q, 0)];
     let mut boxes = 0;
     while let Some((region, node)) = pending.pop() {
         boxes += 1;
@@ -105,6 +110,40 @@ pub fn mass_matrix_definiteness(
         }
     }
     Ok(Definiteness::ByDivision { boxes, tree })
+}
+
+/// The box with one turn for each revolute joint that has a wider interval and no mimic joints.
+pub(crate) fn one_turn(model: &Model, q: &[Interval]) -> Vec<Interval> {
+    let mut q = q.to_vec();
+    if model.has_mimic() {
+        return q;
+    }
+    for body in model.bodies.iter().filter(|body| body.motion == PrimitiveJoint::Revolute) {
+        let range = &mut q[body.q_index];
+        if range.width() > FULL_TURN {
+            let least = if range.lower().is_finite() { range.lower() } else { -0.5 * FULL_TURN };
+            *range = Interval::new(least, least + FULL_TURN);
+        }
+    }
+    q
+}
+
+/// The box with a single configuration of the joints at the root, as M does not depend on it.
+fn relevant(model: &Model, mut q: Vec<Interval>) -> Vec<Interval> {
+    if model.has_mimic() {
+        return q;
+    }
+    let neutral = robot_dynamics_core::neutral(model);
+    for body in model.bodies.iter().filter(|body| body.parent == WORLD) {
+        let count = match body.motion.nv() {
+            1 => 1,
+            several => several + 1,
+        };
+        for k in body.q_index..body.q_index + count {
+            q[k] = Interval::from(neutral[k]);
+        }
+    }
+    q
 }
 
 /// Whether every motion of the body relative to its parent has kinetic energy, whatever the parent does.

@@ -77,9 +77,10 @@ fn rounded(x: f64, towards: fn(f64) -> f64) -> String {
     if !x.is_finite() || x == 0.0 {
         return if x == 0.0 { "0".into() } else { x.to_string() };
     }
-    let decimals = (4.0 - x.abs().log10().floor()).clamp(0.0, 12.0);
-    let scale = 10_f64.powf(decimals);
-    let text = format!("{:.*}", decimals as usize, towards(x * scale) / scale); // at most 12
+    // The number of decimals for five digits, from those of 1e4 on.
+    let decimals = (0_u8..12).find(|k| x.abs() * 10_f64.powi(i32::from(*k)) >= 1e4).unwrap_or(12);
+    let scale = 10_f64.powi(i32::from(decimals));
+    let text = format!("{:.*}", usize::from(decimals), towards(x * scale) / scale);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

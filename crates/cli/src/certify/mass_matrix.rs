@@ -3,8 +3,8 @@
 use robot_dynamics_certified::{Certificate, Definiteness, SearchOptions, mass_matrix_definiteness};
 use serde_json::json;
 
-use super::Results;
 use super::intervals::position_box;
+use super::results::Results;
 use crate::failure::{CommandResult, Context};
 use crate::interruption;
 use crate::joint_values::JointValues;
@@ -13,8 +13,8 @@ use crate::table::count;
 
 /// Prove that the mass matrix is positive definite over the position limits.
 ///
-/// If every body has inertia of its own, or a rotor, M is positive definite in every configuration. Otherwise the
-/// box of the limits is divided until M = L D Lᵀ has positive pivots in intervals.
+/// If every body has inertia of its own, or a rotor, M is positive definite in every configuration. Otherwise
+/// the box of the limits is divided until M = L D Lᵀ has positive pivots in intervals.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -63,8 +63,9 @@ pub(super) fn run(arguments: &Arguments) -> CommandResult {
         }
         _ => "Not proven.\n".to_owned(),
     };
+    let is_proven = found.is_proven();
     let json = json!({ "robot": model.name(), "proven": found.is_proven(), "result": text.trim_end() });
-    arguments
-        .results
-        .finish(found.is_proven(), &text, &json, || Certificate::of_definiteness(&model, &q, &found))
+    arguments.results.finish(is_proven, &text, &json, || {
+        is_proven.then(|| Certificate::of_definiteness(&model, &q, &found))
+    })
 }

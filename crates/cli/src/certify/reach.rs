@@ -7,8 +7,8 @@ use robot_dynamics::text::one_line;
 use robot_dynamics_certified::{Certificate, Farthest, Interval, ReachableSet, SearchOptions};
 use serde_json::json;
 
-use super::Results;
 use super::intervals::{down, numbers, position_box, up};
+use super::results::Results;
 use crate::failure::{CommandResult, Context, Failure};
 use crate::joint_values::JointValues;
 use crate::robot_file::RobotFile;
@@ -16,9 +16,9 @@ use crate::table::Table;
 
 /// Prove where a frame can be over the position limits.
 ///
-/// Prints a box that contains every position of the frame's origin in the world, and how near positions come to
-/// its faces. With --keep it proves instead that the frame keeps out of half-spaces. Contacts and collisions are
-/// not considered, and mimic joints count as joints of their own.
+/// Prints a box that contains every position of the frame's origin in the world, and how near positions come
+/// to its faces. With --keep it proves instead that the frame keeps out of half-spaces. Contacts and
+/// collisions are not considered, and mimic joints count as joints of their own.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -116,7 +116,9 @@ pub(super) fn run(arguments: &Arguments) -> CommandResult {
     let is_proven = claims.iter().all(|(_, most, found)| found.proven <= *most);
     let json =
         json!({ "robot": model.name(), "frame": arguments.frame, "proven": is_proven, "bounds": rows });
-    arguments.results.finish(is_proven, &text, &json, || Certificate::of_reach(&model, &q, frame, &claims))
+    arguments.results.finish(is_proven, &text, &json, || {
+        is_proven.then(|| Certificate::of_reach(&model, &q, frame, &claims))
+    })
 }
 
 fn verdict(found: &Farthest, most: f64) -> &'static str {

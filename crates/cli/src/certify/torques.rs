@@ -9,8 +9,8 @@ use robot_dynamics_certified::{
 };
 use serde_json::json;
 
-use super::Results;
 use super::intervals::{Range, down, numbers, up};
+use super::results::Results;
 use crate::failure::{CommandResult, Context, Failure};
 use crate::interruption;
 use crate::joint_values::{JointNumbers, JointValues, NameOrValues, set};
@@ -19,10 +19,10 @@ use crate::table::{Table, short};
 
 /// Prove bounds of the torques along a motion, and that the motors suffice.
 ///
-/// The motion goes from rest at --from to rest at --to, or through the points of --motion by a cubic spline. The
-/// bounds hold for every factor of --masses on the mass of each link, every load of --payload, and every factor
-/// of --friction. The verdict compares them with the effort limits of the file: proven, exceeded by some robot of
-/// the set, or open.
+/// The motion goes from rest at --from to rest at --to, or through the points of --motion by a cubic spline.
+/// The bounds hold for every factor of --masses on the mass of each link, every load of --payload, and every
+/// factor of --friction. The verdict compares them with the effort limits of the file: proven, exceeded by
+/// some robot of the set, or open.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -45,13 +45,13 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.csv", conflicts_with = "from")]
     motion: Option<PathBuf>,
     /// Factor on the mass and inertia of each link, as in 0.9,1.1.
-    #[arg(long, value_name = "LOW,HIGH", default_value = "1,1")]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, default_value = "1,1")]
     masses: Range,
     /// Factor on the damping and dry friction of the file; 0 for none.
-    #[arg(long, value_name = "LOW,HIGH", default_value = "0,0")]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, default_value = "0,0")]
     friction: Range,
     /// Mass of a load [kg], as in 0,3.
-    #[arg(long, value_name = "LOW,HIGH", requires = "payload_frame")]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "payload_frame")]
     payload: Option<Range>,
     /// Frame or link that carries the load.
     #[arg(long, value_name = "NAME", requires = "payload")]
@@ -153,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> CommandResult {
     });
     arguments
         .results
-        .finish(is_proven, &text, &json, || Certificate::of_torques(&model, &motion, &robots, &bounds))
+        .finish(is_proven, &text, &json, || Some(Certificate::of_torques(&model, &motion, &robots, &bounds)))
 }
 
 fn motion(arguments: &Arguments, model: &Model) -> Result<PolynomialMotion, Failure> {

@@ -5,6 +5,7 @@ mod command;
 
 mod audit;
 mod bench;
+mod certify;
 mod convert;
 mod endings;
 mod files_read;
