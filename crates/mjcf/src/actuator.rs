@@ -110,7 +110,7 @@ impl Reader<'_> {
                 actuators.add(control, robot.actuators.len(), &law);
                 let first = robot.actuators.len();
                 robot.actuators.extend(self.controller(&element, &settings, &law, &actuator));
-                self.disable_group(&element, disabled, &mut robot.actuators[first..]);
+                self.disable(&element, disabled, &mut robot.actuators[first..]);
                 self.report_read(&element, "force of controls, length and velocity");
                 continue;
             }
@@ -142,7 +142,7 @@ impl Reader<'_> {
             }
             self.report_read(&element, "force of control, length and velocity");
             actuators.read.push(Some(control));
-            self.disable_group(&element, disabled, core::slice::from_mut(&mut actuator));
+            self.disable(&element, disabled, core::slice::from_mut(&mut actuator));
             robot.actuators.push(actuator);
         }
         actuators

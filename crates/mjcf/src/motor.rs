@@ -67,14 +67,21 @@ impl Reader<'_> {
         higher.damping.iter_mut().zip(beyond).for_each(|(own, added)| *own += added);
     }
 
-    /// Removes the forces of actuators in a disabled group. Their controls stay.
-    pub(crate) fn disable_group(
+    /// Removes the bounds of controls if they are disabled, and the forces of disabled actuators. Controls
+    /// stay.
+    pub(crate) fn disable(
         &mut self,
         element: &Element,
         disabled: DisabledForces,
         actuators: &mut [ActuatorDescription],
     ) {
         let group = self.number(element, "group").unwrap_or(0.0);
+        if disabled.control_bounds {
+            // A motor without an input has the range 0 0.
+            for actuator in actuators.iter_mut().filter(|actuator| actuator.control_range != [0.0; 2]) {
+                actuator.control_range = [f64::NEG_INFINITY, f64::INFINITY];
+            }
+        }
         for actuator in actuators.iter_mut().filter(|_| disabled.has_actuator_group(group)) {
             (actuator.gain, actuator.bias) = Default::default();
             (actuator.muscle, actuator.cogging, actuator.integral, actuator.motor) = (None, None, None, None);

@@ -6,7 +6,7 @@ use robot_dynamics_xml::excerpt;
 use crate::reader::Reader;
 use crate::tree::Tree;
 
-/// The forces and constraints that flags disable.
+/// The forces, bounds and constraints that flags disable.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // one for each thing that can be switched off
 pub(crate) struct DisabledForces {
@@ -17,6 +17,10 @@ pub(crate) struct DisabledForces {
     contacts: bool,
     equalities: bool,
     limits: bool,
+    /// Whether the bounds of controls are without effect.
+    pub(crate) control_bounds: bool,
+    /// Whether no actuator exerts a force.
+    actuators: bool,
     /// Bits of the groups whose actuators exert no force.
     actuator_groups: u32,
 }
@@ -24,15 +28,20 @@ pub(crate) struct DisabledForces {
 impl DisabledForces {
     /// Whether actuators of this group exert no force.
     pub(crate) fn has_actuator_group(self, group: f64) -> bool {
-        (0..31).any(|k| group == f64::from(k) && self.actuator_groups & (1 << k) != 0)
+        self.actuators || (0..31).any(|k| group == f64::from(k) && self.actuator_groups & (1 << k) != 0)
     }
 
     /// Removes the constraints that are disabled: equalities, limits of joints and tendons, and contacts.
     /// Shapes then have no bits of contact. Without springs and dampers MuJoCo has no gravity compensation
-    /// either.
+    /// either. Without actuators no gravity compensation acts through actuators.
     pub(crate) fn remove_from(self, robot: &mut RobotDescription) {
         if self.springs && self.dampers {
             robot.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
+        }
+        if self.actuators {
+            let through_actuators =
+                robot.joints.iter_mut().filter(|joint| joint.actuator_compensates_gravity);
+            through_actuators.for_each(|joint| joint.actuator_force_range = [0.0; 2]);
         }
         if self.equalities {
             robot.equalities.clear();
@@ -123,6 +132,8 @@ impl Reader<'_> {
                     ("limit", &mut disabled.limits),
                     ("constraint", &mut constraints),
                     ("passive", &mut passive),
+                    ("clampctrl", &mut disabled.control_bounds),
+                    ("actuation", &mut disabled.actuators),
                 ] {
                     *own = read(name).unwrap_or(*own);
                 }

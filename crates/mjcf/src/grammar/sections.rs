@@ -84,8 +84,19 @@ const fn unsupported_actuator(name: &'static str) -> Rule {
 }
 
 /// The flags that are read.
-const FLAGS: &[&str] =
-    &["gravity", "spring", "damper", "passive", "frictionloss", "contact", "equality", "limit", "constraint"];
+const FLAGS: &[&str] = &[
+    "gravity",
+    "spring",
+    "damper",
+    "passive",
+    "frictionloss",
+    "contact",
+    "equality",
+    "limit",
+    "constraint",
+    "clampctrl",
+    "actuation",
+];
 const EQUALITY: &[&str] = &["name", "class", "active", "solref", "solimp"];
 const TENDON: &[&str] = &[
     "name",
@@ -201,7 +212,7 @@ pub(super) const RULES: &[Rule] = &[
             "ipc",
             "speculative",
         ])
-        .physics(&[("clampctrl", "enable"), ("actuation", "enable"), ("override", "disable")]),
+        .physics(&[("override", "disable")]),
     rule(TOP, "size", NotDynamics("memory sizes of MuJoCo")),
     rule(TOP, "statistic", Appearance),
     rule(TOP, "visual", Appearance),

@@ -27,7 +27,7 @@ fn whole(text: &str) -> String {
 /// The frame around the text, the text, and the place of its warning, on line 2.
 #[rustfmt::skip]
 pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
-    (in_file, "<option><flag clampctrl='disable'/></option>", "flag"),
+    (in_file, "<option><flag override='enable'/></option>", "flag"),
     (in_file, "<tendon><spatial name='t' armature='1'><site site='s'/><site site='s'/></spatial></tendon>", r#"spatial "t""#),
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#),
     (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#),
@@ -64,7 +64,7 @@ fn physics_that_is_not_read_is_named_with_its_line() {
 #[test]
 fn attributes_without_effect_give_notes() {
     let text = in_file(
-        "<worldbody><body name='b'><joint name='k'/><geom size='1' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag clampctrl='enable'/></option>",
+        "<worldbody><body name='b'><joint name='k'/><geom size='1' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag override='disable'/></option>",
     );
     let robot = read(&text);
     assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 3), "{}", robot.report);

@@ -364,3 +364,39 @@ fn disabled_groups_of_actuators_exert_no_force() {
     );
     assert_eq!(forces, [0.0, 0.0, 4.0]);
 }
+
+/// A motor beyond the range of its control, on a joint through which gravity compensation acts.
+fn compensated(flag: &str) -> (RobotDescription, [f64; 1]) {
+    let text = format!(
+        "<mujoco><option><flag {flag}/></option><worldbody><body gravcomp='1'>
+          <joint name='j' axis='0 1 0' actuatorgravcomp='true'/><geom size='.1' pos='.3 0 0'/></body></worldbody>
+        <actuator><motor joint='j' damping='2' armature='.5' ctrlrange='-1 1'/></actuator></mujoco>"
+    );
+    let read = parse(&text, &LoadOptions::default()).expect("a robot");
+    assert_eq!(read.report.counts.ignored_physics, 0, "{}", read.report);
+    let model = Model::new(read.description.clone()).expect("a robot");
+    let actuation = Actuation::new(&model).expect("actuation");
+    let mut forces = [f64::NAN];
+    actuation.forces(&model, &mut actuation.workspace(), &[3.0], &[0.2], &[1.0], &mut forces);
+    (read.description, forces)
+}
+
+/// MuJoCo: `qfrc_actuator` is −11.08187813, and −9.08187813 if `clampctrl` is disabled.
+#[test]
+fn controls_exceed_their_range_if_clamping_is_disabled() {
+    for (flag, force) in [("clampctrl='enable'", -11.08187813), ("clampctrl='disable'", -9.08187813)] {
+        let (_, [found]) = compensated(flag);
+        // MuJoCo's numbers have 8 decimals.
+        assert!((found - force).abs() < 1e-8, "{flag}: {found}");
+    }
+}
+
+/// MuJoCo: `qfrc_actuator` is 0 without the gravity compensation through the actuator; the damping and the
+/// armature of the motor remain.
+#[test]
+fn disabled_actuators_exert_no_force() {
+    let (robot, forces) = compensated("actuation='disable'");
+    assert_eq!(forces, [0.0]);
+    let PassiveForces { armature, damping, .. } = robot.joints[0].passive;
+    assert_eq!([armature, damping], [0.5, 2.0]);
+}

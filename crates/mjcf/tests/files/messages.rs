@@ -234,7 +234,7 @@ fn findings() {
         add(&mut out, text, list_findings(&frame(text), &options));
     }
     for text in [
-        "<worldbody><body name='b'><joint name='k'/><geom size='1' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag clampctrl='enable'/></option>",
+        "<worldbody><body name='b'><joint name='k'/><geom size='1' adhesion='0'/></body></worldbody><actuator><motor joint='j' delay='0'/></actuator><option><flag override='disable'/></option>",
         "<size memory='1M'/><custom/><extension/>",
         "<compiler><lengthrange/></compiler>",
         "hello",
