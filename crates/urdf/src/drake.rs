@@ -1,8 +1,8 @@
 //! Extensions of the robot simulator Drake: elements with the prefix `drake`.
 //!
 //! - `<drake:joint>` of the types `ball`, `universal`, `screw` and `planar`. The axes of a universal joint
-//!   are x and y of its frame; the normal of a planar joint is z. A screw has
-//!   `<drake:screw_thread_pitch value="…"/>` in m per turn.
+//!   are x and y of its frame; the normal of a planar joint is z, and its damping has three numbers. A screw
+//!   has `<drake:screw_thread_pitch value="…"/>` in m per turn.
 //! - `<drake:rotor_inertia value="…"/>` and `<drake:gear_ratio value="…"/>` in the actuator of a
 //!   `<transmission>`: the reflected inertia ratio²·rotor of its joint.
 
@@ -63,6 +63,25 @@ impl<'a> Reader<'a> {
             self.required_text(&element, "value", "value=\"NUMBER\"");
         }
         value
+    }
+
+    /// The damping of a planar joint. Drake writes three numbers, for x, y and the rotation; one number counts
+    /// for all.
+    pub(crate) fn planar_damping(&mut self, dynamics: &Element<'a>) -> Option<f64> {
+        let text = dynamics.text("damping")?;
+        if text.split_ascii_whitespace().count() < 2 {
+            return self.number(dynamics, "damping");
+        }
+        let [x, y, rotation] = self.numbers::<3>(dynamics, "damping")?;
+        if x == y && y == rotation {
+            return Some(x);
+        }
+        let message = format!(
+            "damping={:?} is not in the model: a planar joint has one damping for its three directions",
+            excerpt(text)
+        );
+        self.report_ignored_physics(dynamics.line, dynamics.place.clone(), message);
+        None
     }
 
     /// Reads the reflected inertias of `<transmission>`s with one joint and one actuator.

@@ -3,6 +3,7 @@
 use robot_dynamics_description::{JointKind, PassiveForces};
 
 use crate::UrdfError;
+use crate::drake::is_drake;
 use crate::element::Element;
 use crate::reader::Reader;
 use crate::unread_parts::UnknownPart;
@@ -29,8 +30,13 @@ impl<'a> Reader<'a> {
                 self.report_default(&element, format!("no {name}: taken as 0"));
             }
         }
+        let planar_of_drake = matches!(kind, JointKind::Planar { .. }) && is_drake(joint.node, "joint");
         let [armature, damping, friction] = ["armature", "damping", "friction"].map(|name| {
-            let value = self.number(&element, name).unwrap_or(0.0);
+            let value = match name {
+                "damping" if planar_of_drake => self.planar_damping(&element),
+                _ => self.number(&element, name),
+            };
+            let value = value.unwrap_or(0.0);
             self.warn_if_negative(&element, name, value, "which adds energy to the motion");
             value
         });

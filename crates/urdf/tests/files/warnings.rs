@@ -319,6 +319,34 @@ fn extensions_of_drake_are_read() {
     assert!(matches!(refused.errors(), [UrdfError::MissingElement { .. }]), "{refused}");
 }
 
+/// Drake writes the damping of a planar joint as three numbers. The model has one for all directions.
+#[test]
+fn planar_damping_of_drake_is_read_if_its_numbers_are_equal() {
+    let body = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>"#;
+    for (damping, expected, warnings) in [("0.5", 0.5, 0), ("0.5 0.5 0.5", 0.5, 0), ("0.5 0.5 0.1", 0.0, 1)] {
+        let robot = read(&format!(
+            r#"<robot name="r" xmlns:drake="http://drake.mit.edu"><link name="a"/><link name="b">{body}</link>
+               <drake:joint name="j" type="planar"><parent link="a"/><child link="b"/>
+               <dynamics damping="{damping}"/></drake:joint></robot>"#
+        ));
+        assert_eq!(robot.description.joints[0].passive.damping, expected, "{damping}");
+        assert_eq!(robot.report.counts.ignored_physics, warnings, "{damping}: {}", robot.report);
+    }
+}
+
+/// Programs in C end their text with this byte, and some write it to the file.
+#[test]
+fn zero_byte_behind_the_robot_is_read_as_a_space() {
+    let robot = read("<robot name='r'><link name='a'/><link name='b'/></robot>\r\n\0");
+    let lines: Vec<usize> = robot
+        .report
+        .warnings()
+        .filter(|finding| finding.message().contains("control characters"))
+        .map(robot_dynamics_urdf::Finding::line)
+        .collect();
+    assert_eq!(lines, [2], "{}", robot.report);
+}
+
 /// Markup that other readers take is taken, with a warning that a strict reading refuses.
 #[test]
 fn loose_markup_is_read_with_warnings() {
