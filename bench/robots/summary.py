@@ -165,7 +165,9 @@ def refused(records):
             if freed or record["base"] == "fixed":
                 groups[key][record["file"]] = other[record["file"]]
     out = ["## Files that do not load here", ""]
-    out += ["The first error of each file, and the programs that load it.", ""]
+    out += ["The first error of each file, and the programs that load it. A file without links has no robot. A mimic"]
+    out += ["joint without its leader is an error by [decision](decisions/faulty-files.md); the programs that load it"]
+    out += ["let the joint move freely.", ""]
     for key, files in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
         out += [f"### {len(files)}: {key}", "", "| file | loaded by |", "| --- | --- |"]
         for name, record in sorted(files.items())[:60]:
