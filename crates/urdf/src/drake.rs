@@ -65,8 +65,8 @@ impl<'a> Reader<'a> {
         value
     }
 
-    /// The damping of a planar joint. Drake writes three numbers, for x, y and the rotation; one number counts
-    /// for all.
+    /// The damping of a planar joint. Drake writes three numbers, for x, y and the rotation. One number
+    /// counts for all.
     pub(crate) fn planar_damping(&mut self, dynamics: &Element<'a>) -> Option<f64> {
         let text = dynamics.text("damping")?;
         if text.split_ascii_whitespace().count() < 2 {
