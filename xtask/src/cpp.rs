@@ -70,11 +70,21 @@ fn configured(source: &str, build: &Path) -> Command {
     command
 }
 
-fn install() -> Result<(), String> {
-    for (package, program) in [("cmake", "cmake"), ("g++", "g++"), ("pkg-config", "pkg-config")] {
-        if !is_there(program) {
+/// Installs the programs that build the libraries.
+fn install_compilers() -> Result<(), String> {
+    for package in ["cmake", "g++"] {
+        if !is_there(package) {
             install_package("cpp", package)?;
         }
+    }
+    Ok(())
+}
+
+/// Installs the programs and the headers of the tests.
+fn install() -> Result<(), String> {
+    install_compilers()?;
+    if !is_there("pkg-config") {
+        install_package("cpp", "pkg-config")?;
     }
     for (package, file) in PACKAGES {
         if !Path::new(file).exists() {
@@ -100,7 +110,8 @@ fn sanitize(folder: &Path) -> Result<(), String> {
 
 /// Builds the libraries for this machine and writes an archive of the installation into the folder.
 pub(crate) fn package(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    install()?;
+    // Where a release is built, Debian's packages may need a password.
+    install_compilers()?;
     let build = target_folder().join("cpp/release");
     let name = format!("robot-dynamics-cpp-{}-{}-linux", workspace_version()?, std::env::consts::ARCH);
     let mut configure = configured("cpp", &build);
