@@ -13,6 +13,7 @@
 //! | [`enclose_state`] | enclosures of all quantities at a state, and the digits that double precision has |
 //! | [`mass_matrix_definiteness`] | a proof that M is positive definite in a box of configurations |
 //! | [`ReachableSet`] | a convex set that contains every position of a frame |
+//! | [`enclose_motion`] | enclosures of free motions from sets of states |
 //! | [`torque_bounds`] | bounds of the torques of a motion for a set of robots |
 //! | [`Uncertainty`], [`Payload`] | such sets: masses, payload, friction and gravity in intervals |
 //! | [`PolynomialMotion`] | a motion as polynomials in time |
@@ -36,12 +37,14 @@ mod certificate;
 mod definite;
 mod digits;
 mod elementary;
+mod flow;
 mod interval;
 mod linear;
 mod motion;
 mod reach;
 mod scalar;
 mod search;
+mod series;
 mod support;
 mod torque;
 mod uncertainty;
@@ -49,6 +52,7 @@ mod uncertainty;
 pub use certificate::{Certificate, NoCertificate};
 pub use definite::{Definiteness, mass_matrix_definiteness};
 pub use digits::{EnclosedQuantity, EnclosedState, enclose_state};
+pub use flow::{FlowEnclosure, FlowState, enclose_motion};
 pub use interval::Interval;
 pub use linear::{EnclosureError, forward_dynamics, is_positive_definite, solve};
 pub use motion::{InvalidMotion, Piece, Polynomial, PolynomialMotion};

@@ -3,6 +3,7 @@
 mod digits;
 mod intervals;
 mod mass_matrix;
+mod motion;
 mod reach;
 mod results;
 mod torques;
@@ -35,6 +36,7 @@ enum Task {
     Torques(Box<torques::Arguments>),
     MassMatrix(mass_matrix::Arguments),
     Reach(reach::Arguments),
+    Motion(motion::Arguments),
     /// Print the program that checks certificates, for Python 3.8 or later.
     Checker,
 }
@@ -45,6 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> CommandResult {
         Task::Torques(arguments) => torques::run(arguments),
         Task::MassMatrix(arguments) => mass_matrix::run(arguments),
         Task::Reach(arguments) => reach::run(arguments),
+        Task::Motion(arguments) => motion::run(arguments),
         Task::Checker => print_as_it_is(CHECKER).map(|()| ExitCode::SUCCESS),
     }
 }
