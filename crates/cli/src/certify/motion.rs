@@ -31,10 +31,10 @@ pub(super) struct Arguments {
     /// Each coordinate and velocity may differ by this from the initial state [rad, m, 1/s].
     #[arg(long, value_name = "RADIUS", default_value_t = 1e-6)]
     radius: f64,
-    /// Duration [s].
+    /// Duration in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.1)]
     duration: f64,
-    /// Largest step [s]. Steps are divided where necessary.
+    /// Largest step in seconds. Steps are divided where necessary.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.005)]
     step: f64,
     /// Print one JSON object instead of text.

@@ -26,7 +26,7 @@ pub(super) struct Arguments {
     /// The frame or link.
     #[arg(long, value_name = "NAME")]
     frame: String,
-    /// Prove that X x + Y y + Z z is at most D for every position (x, y, z) [m]. May be repeated.
+    /// Prove that X x + Y y + Z z is at most D for every position (x, y, z) in metres. May be repeated.
     #[arg(long, value_name = "X,Y,Z,D", allow_hyphen_values = true, value_parser = numbers::<4>)]
     keep: Vec<[f64; 4]>,
     /// Use this interval for a joint instead of its limits, as in elbow=-1,1 [rad, m].

@@ -38,7 +38,7 @@ pub(super) struct Arguments {
         conflicts_with = "motion"
     )]
     to: Vec<NameOrValues>,
-    /// Duration of the motion [s].
+    /// Duration of the motion in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0)]
     duration: f64,
     /// Points of the motion: lines of time and q, separated by commas. A first line of names is skipped.
@@ -50,16 +50,16 @@ pub(super) struct Arguments {
     /// Factor on the damping and dry friction of the file; 0 for none.
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, default_value = "0,0")]
     friction: Range,
-    /// Mass of a load [kg], as in 0,3.
+    /// Mass of a load in kg, as in 0,3.
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "payload_frame")]
     payload: Option<Range>,
     /// Frame or link that carries the load.
     #[arg(long, value_name = "NAME", requires = "payload")]
     payload_frame: Option<String>,
-    /// Center of the load in that frame [m].
+    /// Center of the load in that frame, in metres.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, default_value = "0,0,0", value_parser = numbers::<3>)]
     payload_center: [f64; 3],
-    /// The load lies within this distance of the center, with any distribution of mass [m].
+    /// The load lies within this distance of the center, with any distribution of mass; in metres.
     #[arg(long, value_name = "METRES", default_value_t = 0.05)]
     payload_radius: f64,
     /// Accuracy: dividing the time further changes no bound by more than this part of a joint's range.

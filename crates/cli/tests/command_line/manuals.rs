@@ -4,13 +4,14 @@ use std::process::{Command, Stdio};
 
 use crate::command::Folder;
 
-pub(crate) const SUBCOMMANDS: [&str; 10] = [
+pub(crate) const SUBCOMMANDS: [&str; 11] = [
     "numbers",
     "inspect",
     "compute",
     "simulate",
     "audit",
     "bench",
+    "certify",
     "convert",
     "generate",
     "completions",
