@@ -20,8 +20,9 @@ const SMALLEST: f64 = 1e-15;
 /// The part of the path from `a` to `b` on a surface of this radius about the origin, a cylinder's axis along
 /// z. `None` if the straight line is the path, or a point is inside the surface.
 ///
-/// A point `side` outside the surface gives the side of the path; one inside makes the path touch the surface
-/// from inside. The rules for both are those of MuJoCo.
+/// With a point `side` outside the surface, the path goes around the surface as the way from `a` by this
+/// point to `b` does. A point inside makes the path touch the surface from inside. The rules for both are
+/// those of MuJoCo 4.0.0.
 pub(super) fn wrap(
     surface: TendonSurface,
     radius: f64,
@@ -79,8 +80,11 @@ fn around([a, b]: [Point2; 2], side: Option<Point2>, radius: f64) -> Option<Arc>
     if a.norm() < radius || b.norm() < radius || way.norm_squared() < SMALLEST {
         return None;
     }
+    if let Some(side) = side {
+        return around_side([a, b], side, radius);
+    }
     let nearest = a + way * (-a.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-    if nearest.norm() > radius && side.is_none_or(|side| side.dot(&nearest) >= 0.0) {
+    if nearest.norm() > radius {
         return None;
     }
     let [clockwise, counterclockwise] = [-1.0, 1.0].map(|turn| tangent_points([a, b], radius, turn));
@@ -88,12 +92,7 @@ fn around([a, b]: [Point2; 2], side: Option<Point2>, radius: f64) -> Option<Arc>
         if is_crossing([a, ends[0]], [b, ends[1]]) {
             return f64::NEG_INFINITY;
         }
-        match side {
-            Some(side) => {
-                (ends[0] + ends[1]).try_normalize(SMALLEST).map_or(side.x, |middle| middle.dot(&side))
-            }
-            None => -(ends[0] - ends[1]).norm_squared(),
-        }
+        -(ends[0] - ends[1]).norm_squared()
     };
     let (turn, ends) = if merit(&clockwise) > merit(&counterclockwise) {
         (-1.0, clockwise)
@@ -105,6 +104,20 @@ fn around([a, b]: [Point2; 2], side: Option<Point2>, radius: f64) -> Option<Arc>
     }
     let angle = ends[0].perp(&ends[1]).atan2(ends[0].dot(&ends[1]));
     Some(Arc { ends, length: radius * (turn * angle).rem_euclid(TAU) })
+}
+
+/// The arc of the shortest path that turns about the center as much as the way from `a` by `side` to `b`.
+///
+/// The tangents turn by acos(r/|a|) and acos(r/|b|). The arc turns by the rest; without a rest the straight
+/// line is the path.
+fn around_side([a, b]: [Point2; 2], side: Point2, radius: f64) -> Option<Arc> {
+    let side = side.try_normalize(SMALLEST).unwrap_or_else(Point2::x);
+    let turned = |from: &Point2, to: &Point2| from.perp(to).atan2(from.dot(to));
+    let of_tangent = |p: &Point2| (p.norm_squared() - radius * radius).max(0.0).sqrt().atan2(radius);
+    let winding = turned(&a, &side) + turned(&side, &b);
+    let angle = winding.abs() - of_tangent(&a) - of_tangent(&b);
+    let ends = tangent_points([a, b], radius, winding.signum());
+    (angle > 0.0).then_some(Arc { ends, length: radius * angle })
 }
 
 /// The points where the tangents from `a` and to `b` meet the circle, if the path runs counterclockwise
@@ -187,6 +200,26 @@ mod tests {
         // The whole path is a straight line on the unrolled surface.
         let total = (found.ends[0] - a).norm() + found.length + (found.ends[1] - b).norm();
         assert!((total - flat.hypot(3.0)).abs() < 1e-14);
+    }
+
+    /// Lengths of MuJoCo 4.0.0. The straight line passes the cylinder on the side of the first point, or away
+    /// from a side that the path does not turn about; the last path turns by more than half a turn.
+    #[test]
+    fn a_path_turns_about_a_cylinder_as_the_way_by_its_side_does() {
+        for (a, b, side, length) in [
+            ([2.0, 1.5], [-2.5, 1.25], [0.0, 1.2], 4.506_939_094_329_986_5),
+            ([2.0, 1.5], [-2.5, 1.25], [0.0, -1.2], 6.785_909_708_017_952),
+            ([3.96, -10.9], [3.8, 3.08], [0.0, -1.04], 13.980_915_563_724_716),
+            ([1.5, 0.5], [1.5, -0.5], [-1.2, 0.1], 6.317_019_693_584_253),
+            ([2.0, -0.5], [-2.0, -0.25], [0.3, 1.1], 4.947_700_053_065_644),
+        ] {
+            let [a, b, side] = [a, b, side].map(|[x, y]: [f64; 2]| Vector3::new(x, y, 0.0));
+            let found = wrap(TendonSurface::Cylinder, 1.0, [a, b], Some(side));
+            let total = found.map_or((b - a).norm(), |found| {
+                (found.ends[0] - a).norm() + found.length + (found.ends[1] - b).norm()
+            });
+            assert!((total - length).abs() < 1e-14 * length, "{total}, not {length}");
+        }
     }
 
     #[test]
