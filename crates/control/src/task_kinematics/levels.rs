@@ -132,7 +132,9 @@ impl Levels {
             self.assemble(tasks, level, law);
             self.truncate(fixed);
             self.rows.extend_from_slice(&bounded.inequalities.rows);
-            for (row, lower) in bounded.inequalities.rows.chunks_exact(n).zip(&bounded.inequalities.lower) {
+            for (row, lower) in
+                bounded.inequalities.rows.chunks_exact(n.max(1)).zip(&bounded.inequalities.lower)
+            {
                 self.lower.push(*lower);
                 self.upper.push(f64::INFINITY);
                 self.scales.push(scale_of(row, sharpness));
@@ -200,7 +202,7 @@ impl Levels {
     fn fix(&mut self, tasks: &[TaskRows], level: Option<usize>, sharpness: f64) {
         let n = self.x.len();
         for rows in tasks.iter().filter(|rows| Some(rows.task.level) == level) {
-            for row in rows.jacobian.chunks_exact(n) {
+            for row in rows.jacobian.chunks_exact(n.max(1)) {
                 let value = dot(row, &self.x);
                 self.rows.extend_from_slice(row);
                 self.lower.push(value);

@@ -144,8 +144,8 @@ impl TaskRows {
             KinematicObjective::CenterOfMass { weights, .. } => {
                 let Place { model, workspace, q, scratch } = place;
                 center_of_mass_jacobian(model, workspace, q, &mut scratch[..3 * nv]);
-                let rows = weights.iter().zip(scratch.chunks_exact(nv)).filter(|(w, _)| **w > 0.0);
-                for (to, (w, from)) in self.jacobian.chunks_exact_mut(nv).zip(rows) {
+                let rows = weights.iter().zip(scratch.chunks_exact(nv.max(1))).filter(|(w, _)| **w > 0.0);
+                for (to, (w, from)) in self.jacobian.chunks_exact_mut(nv.max(1)).zip(rows) {
                     let scale = (weight * w).sqrt();
                     to.iter_mut().zip(from).for_each(|(to, from)| *to = scale * from);
                 }
@@ -159,7 +159,7 @@ impl TaskRows {
             KinematicObjective::Constraints(_) => {
                 let Self { constraints, jacobian, .. } = self;
                 let Some(rows) = constraints else { return };
-                let mut to = jacobian.chunks_exact_mut(nv);
+                let mut to = jacobian.chunks_exact_mut(nv.max(1));
                 rows.each(|_, terms| {
                     let row = to.next().unwrap_or_default();
                     for &(k, factor) in terms {
@@ -243,7 +243,7 @@ fn write_pose(
         by_angular = derivative * matrix(&pose.rotation).transpose();
     }
     let kept = weights.iter().enumerate().filter(|(_, w)| **w > 0.0);
-    for (to, (row, w)) in rows.chunks_exact_mut(nv).zip(kept) {
+    for (to, (row, w)) in rows.chunks_exact_mut(nv.max(1)).zip(kept) {
         let scale = (weight * w).sqrt();
         let (by, first) = if row < 3 { (by_linear.row(row), 0) } else { (by_angular.row(row - 3), 3) };
         for i in 0..3 {
@@ -259,7 +259,7 @@ fn write_posture(place: &mut Place<'_>, target: &[f64], weight: f64, rows: &mut 
     let (model, scale) = (place.model, weight.sqrt());
     let (nv, actuated) = (model.nv(), model.actuated_dofs());
     let moving = (0..nv).filter(|k| actuated[*k]);
-    for (row, k) in rows.chunks_exact_mut(nv).zip(moving) {
+    for (row, k) in rows.chunks_exact_mut(nv.max(1)).zip(moving) {
         row[k] = scale;
     }
     each_quaternion_block(model, [target, place.q], |first, size, block| {
