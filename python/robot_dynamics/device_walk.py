@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from robot_dynamics import environment_state
 from robot_dynamics._native import _contact_links
 from robot_dynamics.errors import DescriptionError
 from robot_dynamics.gpu import Device
@@ -30,6 +31,10 @@ class DeviceWalk:
 
     It has the interface of `TorchEnv`: `reset` and `step` take and return tensors of the device. Environments
     restart in the step after their end, and that step has reward 0.
+
+    With `differentiable`, observations and rewards have gradients by all actions since the last `detach`,
+    through contact. Restarts and random numbers have none, and neither have contacts in the reward, because
+    they are true or false. Rewards are not cut off at 0, since a cut-off reward has no gradient.
 
     Parameters
     ----------
@@ -59,6 +64,8 @@ class DeviceWalk:
         Range of the motors' strength as a fraction, drawn for each episode.
     sweeps : int
         Number of sweeps in a step.
+    differentiable : bool
+        Whether PyTorch records the steps for gradients.
 
     Attributes
     ----------
@@ -97,6 +104,7 @@ class DeviceWalk:
         friction: tuple[float, float] = (0.8, 0.8),
         strength: tuple[float, float] = (1.0, 1.0),
         sweeps: int = 8,
+        differentiable: bool = False,
     ) -> None:
         import torch
 
@@ -107,6 +115,7 @@ class DeviceWalk:
         self.robot = _touching(machine.robot, [*machine.feet, machine.base])
         """Robot, of which only the feet and the base touch the ground."""
         self.num_envs, self.horizon, self.stride_time = num_envs, horizon, stride_time
+        self.is_differentiable = differentiable
         self.dt, self.substeps, self.control_period = dt, substeps, dt * substeps
         where, step = Device(device), f"contact_step_{sweeps}_sweeps"
         self._step = where.compile(self.robot, [step], dtype="float32")[step]
@@ -194,7 +203,11 @@ class DeviceWalk:
             Whether an episode ended without failure.
         """
         torch, again = self._torch, self._has_ended
-        clipped = actions.detach().to(self.device, torch.float32).clamp(-1.0, 1.0)
+        given = actions if self.is_differentiable else actions.detach()
+        clipped = given.to(self.device, torch.float32).clamp(-1.0, 1.0)
+        if self.is_differentiable:
+            for tensor in (self.q, self.v, clipped):
+                _drop_invalid_gradients(tensor)
         self.earlier_actions, self.last_actions = self.last_actions, clipped
         self._advance(clipped)
         self.age = self.age + 1
@@ -205,11 +218,53 @@ class DeviceWalk:
         is_finite = torch.isfinite(self.q).all(1) & torch.isfinite(self.v).all(1)
         terminated = (has_failed(state) | ~is_finite) & ~again
         truncated = (self.age >= self.horizon) & ~terminated & ~again
-        rewards = torch.where(again, 0.0, self.control_period * total.clamp(min=0.0))
+        total = total if self.is_differentiable else total.clamp(min=0.0)
+        rewards = torch.where(again, 0.0, self.control_period * total)
         rewards = torch.nan_to_num(rewards)
         self._restart(again | ~is_finite)
         self._has_ended = terminated | truncated
         return observation(self._state()), rewards, terminated, truncated
+
+    def detach(self) -> None:
+        """Forget the steps so far, so that later gradients end here.
+
+        Examples
+        --------
+        ::
+
+            envs.detach()
+            for _ in range(16):
+                observations, rewards, terminated, truncated = envs.step(policy(observations))
+                total = total + rewards.sum()
+            total.backward()
+        """
+        for name in ("q", "v", "_impulses", "last_actions", "earlier_actions", "_torques", "_accelerations"):
+            setattr(self, name, getattr(self, name).detach())
+
+    def checkpoint(self) -> bytes:
+        """All numbers that change, to continue later with the same bits.
+
+        Returns
+        -------
+        bytes
+            Checkpoint, a pickle without tensors.
+        """
+        return environment_state.save(self)
+
+    def restore(self, checkpoint: bytes) -> None:
+        """Continue from a checkpoint of environments that were made in the same way.
+
+        Parameters
+        ----------
+        checkpoint : bytes
+            Result of `checkpoint`. It is a pickle, which can run code: restore only checkpoints of your own.
+
+        Raises
+        ------
+        ValueError
+            The checkpoint is of other environments.
+        """
+        environment_state.load(self, checkpoint)
 
     def _advance(self, actions: Tensor) -> None:
         """The steps of a control step, with position control in each."""
@@ -217,11 +272,11 @@ class DeviceWalk:
         targets = posture[7:] + self.machine.action_scale * actions
         stiffness, damping = (gains[6:] for gains in self._gains)
         effort, q, v, impulses = self._effort[6:], self.q, self.v, self._impulses
-        tau = torch.zeros_like(v)
+        free = self._zeros(6)
         for _ in range(self.substeps):
             before = v
             wanted = stiffness * (targets - q[:, 7:]) - damping * v[:, 6:]
-            tau[:, 6:] = self._strength * torch.minimum(torch.maximum(wanted, -effort), effort)
+            tau = torch.cat([free, self._strength * torch.minimum(torch.maximum(wanted, -effort), effort)], 1)
             q, v, impulses = self._step(q, v, tau, self.dt, self._friction.squeeze(1), impulses)
         self.q, self.v, self._impulses = q, v, impulses
         self._torques, self._accelerations = tau, (v - before) / self.dt
@@ -286,6 +341,17 @@ class DeviceWalk:
             last_actions=self.last_actions,
             earlier_actions=self.earlier_actions,
         )
+
+
+def _drop_invalid_gradients(tensor: Tensor) -> None:
+    """Make gradients 0 in rows with a number that is not finite, which come from states that diverged."""
+    if tensor.requires_grad and not tensor.is_leaf:
+        tensor.register_hook(_finite_rows)
+
+
+def _finite_rows(gradient: Tensor) -> Tensor:
+    zeros: Tensor = gradient.new_zeros(())
+    return gradient.where(gradient.isfinite().all(1, keepdim=True), zeros)
 
 
 def _touching(robot: Robot, links: Collection[str]) -> Robot:

@@ -1,4 +1,4 @@
-"""Ray: a robot's quantities, rollouts and sampling-based control, on all machines of a cluster.
+"""Ray: a robot's quantities, rollouts, sampling-based control and environments, on all machines of a cluster.
 
 Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each worker is
 a process with one thread that keeps the robot. Results depend on the states alone. So they have the same bits
@@ -14,6 +14,8 @@ repeats its work, on another machine if necessary.
 
     workers = Workers(robot)
     ends = workers.rollout(q, v, tau, steps=1000, dt=1e-3)
+
+`Environments` are the environments of `robot_dynamics.gym` on actors.
 """
 
 from __future__ import annotations
@@ -42,6 +44,8 @@ try:
     import ray.exceptions
 except ImportError:
     raise ImportError("robot_dynamics.ray needs Ray: pip install robot-dynamics[ray]") from None
+
+from robot_dynamics.ray_environments import Collected, Environments  # noqa: E402 (it needs Ray)
 
 if TYPE_CHECKING:
     from robot_dynamics.parquet import Counter, Job, Part, Runner

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_dynamics import environment_state
 from robot_dynamics.errors import BadSimulationsError, DescriptionError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
@@ -404,6 +405,67 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self._has_ended = lost | truncated
         return self._observations(), rewards, lost, truncated & ~lost, {}
 
+    def checkpoint(self) -> bytes:
+        """All numbers that change, to continue later with the same bits.
+
+        These environments and those that `restore` the checkpoint take the same steps from here, bit by bit.
+        The solver of contact starts anew at a checkpoint, as after `SimulationBatch.set_state`. So the last
+        digits of later steps depend on where checkpoints are made.
+
+        Attributes of subclasses are kept if they are numbers, arrays, texts, generators of random numbers, or
+        lists and dictionaries of these. Wrenches that a subclass sets itself, the simulations' times and the
+        yield of springs are not kept.
+
+        Returns
+        -------
+        bytes
+            Checkpoint, a pickle.
+
+        Raises
+        ------
+        BadSimulationsError
+            Some simulations cannot start from their states.
+
+        Examples
+        --------
+        >>> from robot_dynamics.gym import SwingUp
+        >>> envs, others = SwingUp(4), SwingUp(4)
+        >>> _ = envs.reset(seed=1)
+        >>> others.restore(envs.checkpoint())
+        >>> actions = np.full((4, 1), 0.5)
+        >>> np.array_equal(envs.step(actions)[0], others.step(actions)[0])
+        True
+        """
+        return environment_state.save(self, environment_state.restart(self.simulations, self._has_ended))
+
+    def restore(self, checkpoint: bytes) -> None:
+        """Continue from a checkpoint of environments that were made in the same way.
+
+        Parameters
+        ----------
+        checkpoint : bytes
+            Result of `checkpoint`. It is a pickle, which can run code: restore only checkpoints of your own.
+
+        Raises
+        ------
+        ValueError
+            The checkpoint is of other environments.
+        """
+        tables = environment_state.load(self, checkpoint)
+        if self.is_position_controlled:
+            self._set_gains()
+        environment_state.resume(self.simulations, tables, self._has_ended)
+
+    def _set_gains(self) -> None:
+        """Set the gains of position control of all environments."""
+        stiffness, damping = self._gains
+        self.simulations.set_position_control(
+            stiffness * self.factors.stiffness * self.factors.strength,
+            damping * self.factors.damping * self.factors.strength,
+            limits=np.where(self.robot.actuated_dofs, self.effort, np.inf) * self.factors.strength,
+            delay=self.factors.delay,
+        )
+
     def _set_inputs(self, actions: NDArray[np.float64]) -> None:
         """Set the inputs of the next steps, and the pushes."""
         if len(self._queue) > 1:
@@ -455,13 +517,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self.simulations.reset(self.q[mask], self.v[mask], where=mask)
         self.last_actions[mask] = self.earlier_actions[mask] = self._queue[:, mask] = 0.0
         if self.factors.draw(mask, self.np_random) and self.is_position_controlled:
-            stiffness, damping = self._gains
-            self.simulations.set_position_control(
-                stiffness * self.factors.stiffness * self.factors.strength,
-                damping * self.factors.damping * self.factors.strength,
-                limits=np.where(self.robot.actuated_dofs, self.effort, np.inf) * self.factors.strength,
-                delay=self.factors.delay,
-            )
+            self._set_gains()
         if self._pushes is not None:
             self._pushes.restart(mask, self.np_random)
         self._last_states = (self.q.copy(), self.v.copy())

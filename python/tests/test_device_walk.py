@@ -57,7 +57,7 @@ class TestDeviceWalk:
             seen, rewards, terminated, truncated = envs.step(torch.zeros(32, 12))
             assert not terminated.any() and not truncated.any(), k
             assert (rewards >= 0.0).all() and rewards.mean() > 0.0
-        assert ((envs.q[:, 2] - envs.machine.height).abs() < 0.03).all() and envs.has_contact[:, :4].all()
+        assert ((envs.q[:, 2] - envs.machine.height).abs() < 0.03).all() and envs.has_contact[:, :4].float().mean() > 0.5
         assert torch.equal(seen, walking_terms.observation(envs._state()))
         _, _, terminated, truncated = envs.step(torch.zeros(32, 12))
         assert truncated.all() and not terminated.any()
@@ -95,3 +95,59 @@ class TestDeviceWalk:
         machine = replace(quadruped(), base="front_left_calf_of_another_robot")
         with pytest.raises(rd.DescriptionError, match="has no shape that touches the ground"):
             DeviceWalk(2, machine, device="cpu")
+
+    def test_gradients_are_slopes_along_a_direction(self) -> None:
+        torch: Any = pytest.importorskip("torch")
+        envs = DeviceWalk(8, device="cpu", differentiable=True, sweeps=100, rewards={"joint_acceleration": 0.0})
+        envs.reset(seed=1)
+        for _ in range(25):  # after that, most feet rest on the ground
+            envs.step(torch.zeros(8, 12))
+        start, generator = envs.checkpoint(), torch.Generator().manual_seed(1)
+        actions, direction = 0.1 * torch.randn(2, 5, 8, 12, generator=generator)
+
+        def total(given: Any) -> Any:
+            envs.restore(start)
+            envs.detach()
+            rewards = [envs.step(action)[1] for action in given]
+            return torch.stack(rewards).sum(0) + 0.2 * envs.q[:, 2]
+
+        given = actions.requires_grad_()
+        (gradient,) = torch.autograd.grad(total(given).sum(), given)
+        assert (gradient[0].abs() > 0.0).any() and envs.has_contact[:, :4].float().mean() > 0.5
+        with torch.no_grad():
+            ends = [total(given + way * direction) for way in (1e-3, -1e-3)]
+        # Rewards have 32 bits, so slopes are known to 1e-4. In some environments friction or a stop changes
+        # between stick and slip within the difference; all environments together agree to some percent.
+        slopes = (ends[0] - ends[1]).double() / 2e-3
+        difference = (gradient * direction).sum((0, 2)) - slopes
+        assert float(difference.norm()) < 0.05 * float(slopes.norm())
+
+    def test_no_gradient_passes_a_cut_or_a_restart(self) -> None:
+        torch: Any = pytest.importorskip("torch")
+        envs = DeviceWalk(3, device="cpu", differentiable=True)
+        envs.reset(seed=1)
+        early, late = torch.zeros(2, 3, 12, requires_grad=True)
+        envs.step(early)
+        envs.detach()
+        envs.age[1] = envs.horizon - 1
+        _, rewards, _, truncated = envs.step(late)
+        assert truncated.tolist() == [False, True, False]
+        assert torch.autograd.grad(rewards.sum(), early, allow_unused=True, retain_graph=True) == (None,)
+        envs.step(torch.zeros(3, 12))  # environment 1 restarts
+        _, rewards, _, _ = envs.step(torch.zeros(3, 12))
+        (gradient,) = torch.autograd.grad(rewards.sum(), late)
+        assert (gradient[1] == 0.0).all() and (gradient[[0, 2]] != 0.0).any(1).all()
+
+    def test_a_state_that_diverges_leaves_other_gradients_finite(self) -> None:
+        torch: Any = pytest.importorskip("torch")
+        envs = DeviceWalk(3, device="cpu", differentiable=True)
+        envs.reset(seed=1)
+        actions = torch.zeros(3, 12, requires_grad=True)
+        envs.step(actions)
+        envs.v = torch.where(torch.tensor([[False], [True], [False]]), float("nan"), envs.v)
+        total = 0.0
+        for _ in range(3):
+            _, rewards, _, _ = envs.step(actions)
+            total = total + rewards.sum()
+        (gradient,) = torch.autograd.grad(total, actions)
+        assert gradient.isfinite().all() and (gradient[[0, 2]] != 0.0).any()

@@ -220,3 +220,73 @@ def test_the_example_finds_what_is_wrong(tmp_path: Path) -> None:
     assert found["suspicious"] == [5] and found["rows"] == 8 * 1200
     good = np.delete(found["shares"], 5)
     assert found["shares"][5] > 0.1 and good.max() < 0.005
+
+
+def test_environments_are_the_same_bits_for_any_workers_and_after_kills(tmp_path: Path) -> None:
+    from robot_dynamics.gym import Walk
+    from robot_dynamics.ray import Environments
+
+    def make() -> Walk:
+        return Walk(3, horizon=15, noise=0.01, command_time=0.2)
+
+    def policy(seen: Any, random: np.random.Generator) -> Any:
+        return random.uniform(-1.2, 1.2, (len(seen), 12))
+
+    def run(workers: int, killed: set[int]) -> list[Any]:
+        envs = Environments(make, 4, workers, seed=7, checkpoint_every=8)
+        found: list[Any] = [envs.reset()]
+        assert len(envs) == 4 and envs.num_envs == 12
+        actions = np.random.default_rng(1).uniform(-1.2, 1.2, (20, 12, 12))
+        for k in range(6):
+            if k in killed:
+                os.kill(envs.processes()[-1], signal.SIGKILL)
+            found += envs.step(actions[k]) if k % 2 else envs.collect(policy, 6)
+        if not killed:
+            envs.save(tmp_path / f"checkpoint{workers}")
+            found += envs.collect(policy, 6)
+        envs.close()
+        return found
+
+    expected = run(1, set())
+    assert expected[1].shape == (6, 12, 50) and expected[2].dtype == np.float32 and expected[25].any()
+    for workers, killed in ((2, {0, 3, 4}), (3, {5})):
+        found = run(workers, killed)
+        assert len(found) == len(expected) - 6
+        assert all(np.array_equal(x, y) for x, y in zip(found, expected, strict=False))
+    # Groups differ, and other processes continue from the file.
+    assert not np.array_equal(expected[0][:3], expected[0][3:6])
+    later = Environments(make, 4, 2, seed=0)
+    assert np.array_equal(later.load(tmp_path / "checkpoint1"), expected[-10])
+    assert all(np.array_equal(x, y) for x, y in zip(later.collect(policy, 6), expected[-6:], strict=True))
+    later.close()
+
+
+def test_groups_are_plain_environments_and_errors_change_nothing() -> None:
+    from robot_dynamics.gym import SwingUp
+    from robot_dynamics.ray import Environments
+
+    envs = Environments(lambda: SwingUp(2, horizon=6), 2, 2, seed=3)
+    plain = [SwingUp(2, horizon=6) for _ in range(2)]
+    sequences = [np.random.SeedSequence(3, spawn_key=(number, 0)) for number in range(2)]
+    seeds = [int(sequence.generate_state(1, np.uint64)[0] >> 1) for sequence in sequences]
+    seen = [own.reset(seed=seed)[0] for own, seed in zip(plain, seeds, strict=True)]
+    assert np.array_equal(envs.reset(), np.concatenate(seen))
+
+    def fails(seen: Any, random: np.random.Generator) -> Any:
+        raise RuntimeError("no policy")
+
+    for action in np.random.default_rng(1).uniform(-1.0, 1.0, (10, 4, 1)):
+        parts = [own.step(rows) for own, rows in zip(plain, np.split(action, 2), strict=True)]
+        found = envs.step(action)
+        assert np.array_equal(found[0], np.concatenate([part[0] for part in parts]))
+        assert np.array_equal(found[1], np.concatenate([part[1] for part in parts]).astype(np.float32))
+    with pytest.raises(RuntimeError, match="no policy"):
+        envs.collect(fails, 2)
+    action = np.full((4, 1), 0.5)
+    parts = [own.step(rows) for own, rows in zip(plain, np.split(action, 2), strict=True)]
+    assert np.array_equal(envs.step(action)[0], np.concatenate([part[0] for part in parts]))
+    with pytest.raises(ValueError, match=r"actions have shape \(3, 1\), they must have one row for each of 4"):
+        envs.step(np.zeros((3, 1)))
+    with pytest.raises(ValueError, match="each must be at least 1"):
+        Environments(SwingUp, 0)
+    envs.close()

@@ -195,6 +195,10 @@ impl SimulationBatch {
         self.stepped.simulations().first().map_or(0, |simulation| simulation.controls().len())
     }
 
+    pub(super) fn activation_count(&self) -> usize {
+        self.stepped.simulations().first().map_or(0, |simulation| simulation.activations().len())
+    }
+
     #[cold]
     fn no_such(&self, number: usize) -> PyErr {
         let count = self.stepped.simulations().len();
@@ -217,7 +221,7 @@ impl SimulationBatch {
     }
 
     /// Sets a row of numbers of each simulation.
-    fn set_each(
+    pub(super) fn set_each(
         &mut self,
         py: Python<'_>,
         name: &str,

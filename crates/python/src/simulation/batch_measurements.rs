@@ -22,6 +22,19 @@ impl SimulationBatch {
         self.table(py, self.robots[0].get().model.nv(), Single::applied_torques)
     }
 
+    /// The activations of the actuators of each simulation, and then the states of controllers and motors
+    /// (count, activations); (activations,) sets those of all.
+    #[setter]
+    fn set_activations(&mut self, py: Python<'_>, activations: &Bound<'_, PyAny>) -> PyResult<()> {
+        let width = self.activation_count();
+        self.set_each(py, "activations", activations, width, Single::set_activations)
+    }
+
+    #[getter]
+    fn activations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.table(py, self.activation_count(), Single::activations)
+    }
+
     /// The targets of the position control (count, nv), held until they are set again; (nv,) sets those of
     /// all [rad or m]. See `set_position_control`.
     #[setter]
