@@ -196,10 +196,22 @@ ARGUMENTS = {
     "held": "_Memory",
     "stream": "int",
     "columns": "bool",
+    "cells": "int",
+    "max_boxes": "int",
+    "payload": "tuple[str | int, tuple[float, float], list[tuple[float, float]], float] | None",
+    "robots": (
+        "tuple[Sequence[tuple[str | None, tuple[float, float]]], tuple[float, float], "
+        "Sequence[tuple[float, float]] | None]"
+    ),
+    "search_limits": "tuple[float, int]",
 }
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
 OF_CALL = {
+    ("_certify_digits", "a"): "Numbers | None",
+    ("_certify_digits", "tau"): "Numbers | None",
+    ("_certify_digits", "v"): "Numbers | None",
+    ("_certify_torques", "motion"): "PolynomialMotion",
     ("_add_constraint", "lower"): "object",
     ("_add_constraint", "upper"): "object",
     ("_add_terminal_constraint", "lower"): "object",
@@ -369,6 +381,12 @@ RETURNS = {
     "_actuated_dofs": "list[bool]",
     "_audit": "list[tuple[str, str, float, str, float, bool, str]]",
     "_base_parameters": "BaseParameters",
+    "_box": "_Array",
+    "_certify_digits": "list[tuple[str, _Array, _Array, _Array, float, float]]",
+    "_certify_mass_matrix": "_Record",
+    "_certify_reach": "ReachableSet",
+    "_certify_torques": "_Record",
+    "_coefficients": "_Array",
     "_constrained_forward_dynamics": "_Record",
     "_constrained_forward_dynamics_derivatives": "_Record",
     "_constrained_forward_dynamics_pullback": "_Record",
@@ -382,7 +400,9 @@ RETURNS = {
     "_contact_impulse_pullback": "_Record",
     "_convert": "list[_Array | None]",
     "_differentiable_row": "tuple[str, bool]",
+    "_durations": "_Array",
     "_effort_limits": "_Array",
+    "_farthest": "tuple[float, float, _Array]",
     "_file_read_at": "Path | None",
     "_fluid_force_derivatives": "tuple[_Array, _Array]",
     "_fluid_forces": "_Array",
@@ -495,6 +515,7 @@ RETURNS = {
 # Properties of classes that this script does not create. Those of a robot are inspected.
 # Results of methods whose name another class has, too.
 RETURNS_OF = {
+    ("PolynomialMotion", "_state"): "list[_Array]",
     ("CudaFunctions", "_rollout"): "None",
     ("Admittance", "step"): "tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]",
     ("SimulationBatch", "_sensors"): "_Array",
@@ -560,6 +581,7 @@ SETTERS = {
     ("Simulation", "activations"): "Numbers",
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",
+    ("SimulationBatch", "activations"): "Numbers",
     ("SimulationBatch", "controls"): "Numbers",
     ("SimulationBatch", "targets"): "Numbers",
     ("SimulationBatch", "torques"): "Numbers",

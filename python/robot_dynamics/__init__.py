@@ -35,7 +35,7 @@ from robot_dynamics._native import (
     num_threads,
     set_num_threads,
 )
-from robot_dynamics import gpu, optimal, whole_body
+from robot_dynamics import certified, gpu, optimal, whole_body
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Contact, Coupling, FrameConstraint, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
@@ -195,6 +195,7 @@ __all__ = [
     "TimedPath",
     "UnsupportedFeature",
     "Winding",
+    "certified",
     "dlqr",
     "example",
     "gpu",

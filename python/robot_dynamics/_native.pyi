@@ -28,7 +28,7 @@ _Memory: TypeAlias = Sequence[object]
 # Names and shapes of tables.
 _Tables: TypeAlias = list[tuple[str, list[int]]]
 
-__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'CpuFunctions', 'CudaDevice', 'CudaFunctions', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_contact_links', '_defaults', '_device_signature', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['Admittance', 'BaseParameters', 'ComputedTorque', 'Constraints', 'ControlAllocation', 'CpuFunctions', 'CudaDevice', 'CudaFunctions', 'Delayed', 'GravityCompensatedPd', 'ImpedanceControl', 'ImplicitGains', 'JerkLimitedMotion', 'JointMap', 'KinematicTasks', 'MomentumObserver', 'OptimalMpc', 'OptimalProblem', 'PayloadFilter', 'PolynomialMotion', 'ReachableSet', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', 'WholeBody', '__version__', '_contact_links', '_defaults', '_device_signature', '_html', '_nanoseconds', '_random_robot', '_trajectory_text', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -903,6 +903,25 @@ class PayloadFilter:
         [kg, kg·m, kg·m²].
         """
 
+@final
+class PolynomialMotion:
+    """The polynomials of `robot_dynamics.certified.Motion`."""
+    def __new__(cls, kind: str, times: Numbers, points: Numbers) -> Self: ...
+    def _coefficients(self) -> _Array:
+        """The coefficients (pieces, coordinates, 6)."""
+    def _durations(self) -> _Array:
+        """The durations of the pieces (pieces,)."""
+    def _state(self, number: int, time: float) -> list[_Array]:
+        """q, v and a at a time from the start of a piece."""
+
+@final
+class ReachableSet:
+    """The set of `robot_dynamics.certified.ReachableSet`."""
+    def _box(self) -> _Array:
+        """The bounds of x, y and z."""
+    def _farthest(self, direction: Numbers) -> tuple[float, float, _Array]:
+        """See `ReachableSet.farthest`: the proven and the attained number, and a configuration."""
+
 @disjoint_base
 class Robot:
     """A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one."""
@@ -916,6 +935,14 @@ class Robot:
         """See `audit`."""
     def _base_parameters(self, states: int, seed: int, terms: Sequence[str]) -> BaseParameters:
         """See `base_parameters`."""
+    def _certify_digits(self, q: Numbers, v: Numbers | None, a: Numbers | None, tau: Numbers | None) -> list[tuple[str, _Array, _Array, _Array, float, float]]:
+        """See `certify_digits`."""
+    def _certify_mass_matrix(self, lower: Numbers | None, upper: Numbers | None, max_boxes: int) -> _Record:
+        """See `certify_mass_matrix`."""
+    def _certify_reach(self, frame: str | int, lower: Numbers | None, upper: Numbers | None, cells: int, threads: int | None) -> ReachableSet:
+        """See `certify_reach`."""
+    def _certify_torques(self, motion: PolynomialMotion, robots: tuple[Sequence[tuple[str | None, tuple[float, float]]], tuple[float, float], Sequence[tuple[float, float]] | None], payload: tuple[str | int, tuple[float, float], list[tuple[float, float]], float] | None, search_limits: tuple[float, int], threads: int | None) -> _Record:
+        """See `certify_torques`."""
     def _constrained_forward_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
         """See `constrained_forward_dynamics`."""
     def _constrained_forward_dynamics_derivatives(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
@@ -3909,6 +3936,13 @@ class SimulationBatch:
     @property
     def acceleration(self) -> NDArray[np.float64]:
         """The mean accelerations of the last step (count, nv) [rad/s² or m/s²]."""
+    @property
+    def activations(self) -> NDArray[np.float64]:
+        """The activations of the actuators of each simulation, and then the states of controllers and motors
+        (count, activations); (activations,) sets those of all.
+        """
+    @activations.setter
+    def activations(self, value: Numbers) -> None: ...
     @property
     def applied_torques(self) -> NDArray[np.float64]:
         """The torques that acted in the last step, within the effort limits (count, nv) [N·m or N]."""

@@ -91,7 +91,8 @@ class _Group:
             before = self._seen
             actions = np.asarray(policy(before, self._random), np.float32)
             rows.append((before, actions, *self.step(actions)[1:]))
-        return Collected(*(np.stack(column) for column in zip(*rows, strict=True)), self._seen)
+        columns = [np.stack(column) for column in zip(*rows, strict=True)]
+        return Collected._make([*columns, self._seen])
 
     def checkpoint(self) -> bytes:
         """All that changes."""
@@ -290,7 +291,8 @@ class Environments:
         found = self._run(_Call("collect", [()] * len(self), (ray.put(policy), steps)), steps=steps)
         *tables, following = zip(*found, strict=True)
         self.observations = np.concatenate(following)
-        return Collected(*(np.concatenate(parts, axis=1) for parts in tables), self.observations)
+        columns = [np.concatenate(parts, axis=1) for parts in tables]
+        return Collected._make([*columns, self.observations])
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a checkpoint of all groups to a file.

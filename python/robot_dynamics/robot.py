@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from robot_dynamics import (
     _native,
+    certified,
     checks,
     control,
     conventions,
@@ -621,9 +622,13 @@ class Robot(_native.Robot):
     design_excitation = excitation.design_excitation
     physical_consistency = identification.physical_consistency
 
-    # Checks.
+    # Checks and proven bounds.
     audit = checks.audit
     suspicions = checks.suspicions
+    certify_digits = certified.certify_digits
+    certify_mass_matrix = certified.certify_mass_matrix
+    certify_reach = certified.certify_reach
+    certify_torques = certified.certify_torques
 
     # Conventions of other libraries.
     to_mujoco = conventions.to_mujoco

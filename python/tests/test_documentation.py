@@ -25,7 +25,7 @@ MODULES = ["robot_dynamics", *(f"robot_dynamics.{found.name}" for found in pkgut
 def test_examples(name: str) -> None:
     if name.endswith("__main__"):
         pytest.skip("the command")
-    if name.endswith(".ray"):
+    if name.endswith((".ray", ".ray_environments")):
         pytest.importorskip("ray")
     if name.endswith(".gym"):
         pytest.importorskip("gymnasium")

@@ -19,7 +19,7 @@ longest."""
 LONGEST_TYPE = 90
 """The limit of the type of one argument or result [characters]: an alias is shown by its name."""
 
-MODULES = ("arrow", "casadi", "gym", "jax", "optimal", "parquet", "ray", "sampling", "torch", "whole_body")
+MODULES = ("arrow", "casadi", "certified", "gym", "jax", "optimal", "parquet", "ray", "sampling", "torch", "whole_body")
 
 
 def callables() -> Iterator[tuple[str, Any]]:

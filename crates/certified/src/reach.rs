@@ -5,6 +5,8 @@
 //! parent is h'(m) = m · p + max over q of h(R(q)ᵀ m). It has two arguments whatever the number of joints, so
 //! it is computed on a grid of directions, from the tip to the root.
 
+use std::borrow::Cow;
+
 use robot_dynamics_core::joint::PrimitiveJoint;
 use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::{FrameId, Model, Workspace, frame_pose};
@@ -27,10 +29,10 @@ use crate::{EnclosureError, Interval};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ReachableSet<'a> {
-    model: &'a Model,
+    model: Cow<'a, Model>,
     frame: FrameId,
     /// From the root to the tip.
-    joints: Vec<ChainJoint<'a>>,
+    joints: Vec<ChainJoint>,
     /// The support functions relative to each body of the chain, from the root; the last is relative to the
     /// tip's body.
     supports: Vec<Support>,
@@ -42,9 +44,11 @@ pub struct ReachableSet<'a> {
 const FULL_TURN: f64 = 6.3;
 
 /// A joint of the chain.
-struct ChainJoint<'a> {
-    body: &'a Body,
+struct ChainJoint {
+    body: Body,
     range: Interval,
+    /// The interval of its coordinate.
+    own: Interval,
     arc: Option<Arc>,
 }
 
@@ -62,6 +66,8 @@ pub struct Farthest {
 impl<'a> ReachableSet<'a> {
     /// Computes the set for a box of configurations. `cells` is the number of the grid's steps along an edge
     /// of a cube, a power of two: with 64 the overestimate is about 0.1 % of the chain's length.
+    ///
+    /// An interrupt makes the bounds infinite.
     ///
     /// Mimic joints count as joints of their own, which makes the set larger. Revolute joints may have
     /// unbounded intervals.
@@ -97,11 +103,24 @@ impl<'a> ReachableSet<'a> {
         let mut workers = vec![(); options.thread_count()];
         for joint in joints.iter().skip(1).rev() {
             let beyond = &supports[supports.len() - 1];
-            let bounds = map_on_threads(&mut workers, &directions, |(), m| joint.bound(beyond, *m).0);
+            let bounds = map_on_threads(&mut workers, &directions, |(), m| {
+                if options.is_interrupted() { f64::INFINITY } else { joint.bound(beyond, *m).0 }
+            });
             supports.push(Support::new(cells, bounds));
         }
         supports.reverse();
-        Ok(Self { model, frame, joints, supports, fixed })
+        Ok(Self { model: Cow::Borrowed(model), frame, joints, supports, fixed })
+    }
+
+    /// The same set with a copy of the model, which it then owns.
+    pub fn into_owned(self) -> ReachableSet<'static> {
+        ReachableSet {
+            model: Cow::Owned(self.model.into_owned()),
+            frame: self.frame,
+            joints: self.joints,
+            supports: self.supports,
+            fixed: self.fixed,
+        }
     }
 
     /// A proven bound of n · p over all configurations, and a configuration near it. p is the frame's origin
@@ -109,18 +128,19 @@ impl<'a> ReachableSet<'a> {
     pub fn farthest(&self, direction: [f64; 3]) -> Farthest {
         let mut m = direction.map(Interval::from);
         let mut proven = dot(m, self.fixed).upper();
-        let mut q: Vec<f64> = robot_dynamics_core::neutral(self.model);
+        let mut q: Vec<f64> = robot_dynamics_core::neutral(&self.model);
         for (k, (joint, support)) in self.joints.iter().zip(&self.supports).enumerate() {
             let (bound, position) = joint.bound(support, m);
             if k == 0 {
                 proven = bound;
             }
             let dof = &self.model.dofs[joint.body.dof];
-            q[joint.body.q_index] = (position - dof.offset) / dof.ratio;
+            let own = (position - dof.offset) / dof.ratio;
+            q[joint.body.q_index] = own.clamp(joint.own.lower(), joint.own.upper());
             m = joint.direction_beyond(m, position);
         }
         let intervals: Vec<Interval> = q.iter().copied().map(Interval::from).collect();
-        let pose = frame_pose(self.model, &mut Workspace::new(self.model), &intervals, self.frame);
+        let pose = frame_pose(&self.model, &mut Workspace::new(&self.model), &intervals, self.frame);
         let attained = dot(direction.map(Interval::from), pose.translation).lower();
         Farthest { proven, attained, q }
     }
@@ -137,8 +157,8 @@ impl<'a> ReachableSet<'a> {
     }
 }
 
-impl<'a> ChainJoint<'a> {
-    fn new(model: &Model, body: &'a Body, q: &[Interval], cells: usize) -> Result<Self, EnclosureError> {
+impl ChainJoint {
+    fn new(model: &Model, body: &Body, q: &[Interval], cells: usize) -> Result<Self, EnclosureError> {
         if body.motion.nv() != 1 {
             return Err(EnclosureError::Quaternions);
         }
@@ -152,7 +172,7 @@ impl<'a> ChainJoint<'a> {
             return Err(EnclosureError::Unbounded);
         }
         let arc = body.motion.turns().then(|| Arc::new(range, 2.0 / cells as f64));
-        Ok(Self { body, range, arc })
+        Ok(Self { body: body.clone(), range, own: q[body.q_index], arc })
     }
 
     /// A bound of the support function relative to the parent, and the position of the joint for the largest

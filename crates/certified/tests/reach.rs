@@ -1,5 +1,8 @@
 //! Proven bounds of positions contain sampled positions, and proofs of definiteness agree with eigenvalues.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use robot_dynamics::algorithms::{frame_pose, mass_matrix};
 use robot_dynamics::description::{
     JointDescription, JointKind, JointKinds, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -44,6 +47,24 @@ fn reachable_sets_contain_sampled_positions_and_end_near_attained_ones() {
         let gap = farthest.proven - farthest.attained;
         assert!((0.0..0.03 * size).contains(&gap), "robot {seed}: {gap} of {size}");
     }
+}
+
+#[test]
+fn an_interrupted_reachable_set_is_the_whole_space_and_may_own_its_model() {
+    let options =
+        RandomRobotOptions { joints: 3, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
+    let model = Model::new(random_robot(4, &options)).expect("a robot");
+    let q = vec![Interval::new(-1.0, 1.0); model.nq()];
+    let frame = model.frame(model.moving_links().last().expect("a link")).expect("a frame");
+    let direction = [0.6, -0.3, 0.2];
+    let set = |options: SearchOptions| ReachableSet::new(&model, &q, frame, 8, &options).expect("a set");
+    let whole = set(SearchOptions::default());
+    let proven = whole.farthest(direction).proven;
+    assert!(proven.is_finite());
+    assert_eq!(whole.into_owned().farthest(direction).proven, proven);
+    let interrupt = Some(Arc::new(AtomicBool::new(true)));
+    let early = set(SearchOptions { interrupt, ..Default::default() });
+    assert_eq!(early.farthest(direction).proven, f64::INFINITY);
 }
 
 #[test]

@@ -43,6 +43,7 @@ mod single_state;
 mod rows;
 
 // Functions of one state or of whole motions.
+mod certified;
 mod checks;
 mod clock;
 mod constraint_derivatives;
@@ -90,6 +91,10 @@ mod native {
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 
+    #[pymodule_export]
+    use super::certified::reach::ReachableSet;
+    #[pymodule_export]
+    use super::certified::torques::PolynomialMotion;
     #[pymodule_export]
     use super::clock::_nanoseconds;
     #[pymodule_export]

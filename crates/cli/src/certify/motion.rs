@@ -17,7 +17,7 @@ use crate::table::{Table, short, short_or_exponent};
 ///
 /// The motors are off, and damping, friction, limits and contact do not act. The table shows how the set of
 /// states grows: a motion is predictable for as long as it stays narrow. Lohner's method with Taylor series
-/// of order 6 computes it.
+/// of order 6 computes it. It is made for robots of few joints: with many, the set soon grows too wide.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
