@@ -228,15 +228,7 @@ class DeviceWalk:
     def detach(self) -> None:
         """Forget the steps so far, so that later gradients end here.
 
-        Examples
-        --------
-        ::
-
-            envs.detach()
-            for _ in range(16):
-                observations, rewards, terminated, truncated = envs.step(policy(observations))
-                total = total + rewards.sum()
-            total.backward()
+        Call it before the steps of a horizon, whose rewards are then summed and differentiated.
         """
         for name in ("q", "v", "_impulses", "last_actions", "earlier_actions", "_torques", "_accelerations"):
             setattr(self, name, getattr(self, name).detach())
