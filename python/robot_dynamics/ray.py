@@ -45,7 +45,8 @@ try:
 except ImportError:
     raise ImportError("robot_dynamics.ray needs Ray: pip install robot-dynamics[ray]") from None
 
-from robot_dynamics.ray_environments import Collected, Environments  # noqa: E402 (it needs Ray)
+from robot_dynamics.ray_environments import Collected as Collected  # noqa: E402 (it needs Ray)
+from robot_dynamics.ray_environments import Environments as Environments  # noqa: E402
 
 if TYPE_CHECKING:
     from robot_dynamics.parquet import Counter, Job, Part, Runner

@@ -16,7 +16,7 @@ def everything(**more: Any) -> Walk:
     return Walk(6, horizon=30, command_time=0.3, latency=1, noise=0.01, pushes=pushes, randomization=ranges, **more)
 
 
-MAKERS = {
+MAKERS: dict[str, Any] = {
     "swing-up": lambda: SwingUp(5, horizon=12),
     "walk": everything,
     "rigid": lambda: Walk(2, horizon=12, integrator="implicit"),
