@@ -59,7 +59,7 @@ impl Interval {
         Self { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
     }
 
-    /// The numbers that are in both; `None` if there are none.
+    /// The numbers that are in both, or `None` if the intervals are disjoint.
     ///
     /// ```
     /// use robot_dynamics_certified::Interval;
