@@ -56,8 +56,7 @@ struct Audit<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> CommandResult {
-    let LoadedRobot { model, report, angles, .. } = arguments.robot.load()?;
-    arguments.robot.print_warnings(&report);
+    let LoadedRobot { model, report, angles, .. } = arguments.robot.load_with_warnings()?;
     refuse_beyond_memory(&model)?;
     let mut checks = vec![ignored_physics(&report)];
     checks.extend(audit(&model, arguments.states, arguments.seed));

@@ -137,6 +137,13 @@ impl RobotFile {
         Ok(LoadedRobot { model, report, angles })
     }
 
+    /// Loads the robot and prints the warnings of its file.
+    pub(crate) fn load_with_warnings(&self) -> Result<LoadedRobot, Failure> {
+        let loaded = self.load()?;
+        self.print_warnings(&loaded.report);
+        Ok(loaded)
+    }
+
     /// Loads the robot for a command that computes with it. Warns on standard error about a singular M and
     /// about suspicious values in the file. Fails if the matrices of the robot do not fit in memory.
     pub(crate) fn load_to_compute(&self) -> Result<LoadedRobot, Failure> {

@@ -30,9 +30,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> CommandResult {
-    let loaded = arguments.robot.load()?;
-    let model = loaded.model;
-    arguments.robot.print_warnings(&loaded.report);
+    let model = arguments.robot.load_with_warnings()?.model;
     let q = position_box(&model, &arguments.range)?;
     interruption::end_between_steps()?;
     let options = SearchOptions {
@@ -64,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> CommandResult {
         _ => "Not proven.\n".to_owned(),
     };
     let is_proven = found.is_proven();
-    let json = json!({ "robot": model.name(), "proven": found.is_proven(), "result": text.trim_end() });
+    let json = json!({ "robot": model.name(), "proven": is_proven, "result": text.trim_end() });
     arguments.results.finish(is_proven, &text, &json, || {
         is_proven.then(|| Certificate::of_definiteness(&model, &q, &found))
     })

@@ -57,7 +57,8 @@ pub(super) fn run(arguments: &Arguments) -> CommandResult {
     if steps > 1e6 {
         return Err(Failure::new(format!("--step: {steps} steps are more than 1e6")));
     }
-    let count = (1_usize..=1_000_000).find(|k| *k as f64 >= steps).unwrap_or(1_000_000);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 1 to 1e6
+    let count = steps as usize;
     if !(arguments.radius >= 0.0 && arguments.radius.is_finite()) {
         return Err(Failure::new(format!("--radius: {} is not zero or positive", arguments.radius)));
     }

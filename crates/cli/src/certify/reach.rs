@@ -44,9 +44,7 @@ fn cells() -> impl TypedValueParser<Value = usize> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> CommandResult {
-    let loaded = arguments.robot.load()?;
-    let model = loaded.model;
-    arguments.robot.print_warnings(&loaded.report);
+    let model = arguments.robot.load_with_warnings()?.model;
     let frame = model.frame_named(&arguments.frame).map_err(Failure::new)?;
     let q = position_box(&model, &arguments.range)?;
     let set = ReachableSet::new(&model, &q, frame, arguments.cells, &SearchOptions::default())

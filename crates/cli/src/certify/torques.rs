@@ -70,9 +70,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> CommandResult {
-    let loaded = arguments.robot.load()?;
-    let model = loaded.model;
-    arguments.robot.print_warnings(&loaded.report);
+    let model = arguments.robot.load_with_warnings()?.model;
     if model.nv() == 0 || !model.is_vector_space() {
         return Err(Failure::new(format!(
             "{}: the task needs joints without quaternions, and one or more (--lock holds a joint)",
