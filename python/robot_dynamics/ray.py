@@ -47,6 +47,7 @@ except ImportError:
 
 from robot_dynamics.ray_environments import Collected as Collected  # noqa: E402 (it needs Ray)
 from robot_dynamics.ray_environments import Environments as Environments  # noqa: E402
+from robot_dynamics.ray_environments import core_count as _core_count  # noqa: E402
 
 if TYPE_CHECKING:
     from robot_dynamics.parquet import Counter, Job, Part, Runner
@@ -398,11 +399,3 @@ def _rollout_group(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, An
 
 def _concatenate(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     return np.concatenate(parts) if len(parts) > 1 else parts[0]
-
-
-def _core_count() -> int:
-    """Number of cores of the cluster."""
-    if not ray.is_initialized():
-        ray.init()
-    resources: Any = ray.cluster_resources  # untyped
-    return max(int(resources().get("CPU", 1)), 1)

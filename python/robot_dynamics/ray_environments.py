@@ -187,9 +187,8 @@ class Environments:
     def __init__(
         self, make: Callable[[], Any], groups: int, workers: int | None = None, *, seed: int = 0, checkpoint_every: int = 100
     ) -> None:
-        if not ray.is_initialized():
-            ray.init()
-        count = min(groups, _core_count()) if workers is None else min(groups, workers)
+        cores = core_count()
+        count = min(groups, cores) if workers is None else min(groups, workers)
         if groups < 1 or count < 1 or checkpoint_every < 1:
             raise ValueError(
                 f"groups is {groups}, workers {workers} and checkpoint_every {checkpoint_every}; each must be at least 1"
@@ -409,7 +408,10 @@ class Environments:
         self._checkpoints, self._calls, self._steps_since = found, [], 0
 
 
-def _core_count() -> int:
+def core_count() -> int:
+    """Number of cores of the cluster, which is started if necessary."""
+    if not ray.is_initialized():
+        ray.init()
     resources: Any = ray.cluster_resources  # untyped
     return max(int(resources().get("CPU", 1)), 1)
 
