@@ -10,7 +10,7 @@ use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_number::{Classified, ErrorKind};
 use serde_json::{Value, json};
 
-use crate::definite::{Definiteness, one_turn};
+use crate::definite::{Definiteness, turns_once};
 use crate::digits::{EnclosedQuantity, EnclosedState};
 use crate::motion::PolynomialMotion;
 use crate::torque::TorqueBounds;
@@ -99,7 +99,7 @@ impl Certificate {
             Definiteness::ByDivision { tree, .. } => json!(tree.preorder()),
             _ => return Err(NoCertificate::Unproven),
         };
-        let q = one_turn(model, q);
+        let q = turns_once(model, q);
         Self::new(model, json!({ "kind": "mass_matrix", "q": intervals(&q), "divisions": divisions }))
     }
 

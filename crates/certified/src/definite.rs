@@ -9,12 +9,9 @@ use robot_dynamics_core::joint::PrimitiveJoint;
 use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
 
-use crate::linear::{check_box, is_positive_definite};
+use crate::linear::{check_box, is_positive_definite, one_turn};
 use crate::search::{Divisions, SearchOptions, middle};
 use crate::{EnclosureError, Interval};
-
-/// A little more than a full turn.
-const FULL_TURN: f64 = 6.3;
 
 /// The result of a search for a proof.
 #[derive(Clone, Debug)]
@@ -77,7 +74,7 @@ pub fn mass_matrix_definiteness(
     if has_no_negative_rotor && model.bodies.iter().all(|body| has_energy(model, body)) {
         return Ok(Definiteness::ByOwnInertias);
     }
-    let q = relevant(model, one_turn(model, q));
+    let q = relevant(model, turns_once(model, q));
     check_box(model, &q)?;
     let nv = model.nv();
     let mut workspace = Workspace::new(model);
@@ -113,17 +110,13 @@ pub fn mass_matrix_definiteness(
 }
 
 /// The box with one turn for each revolute joint that has a wider interval and no mimic joints.
-pub(crate) fn one_turn(model: &Model, q: &[Interval]) -> Vec<Interval> {
+pub(crate) fn turns_once(model: &Model, q: &[Interval]) -> Vec<Interval> {
     let mut q = q.to_vec();
     if model.has_mimic() {
         return q;
     }
     for body in model.bodies.iter().filter(|body| body.motion == PrimitiveJoint::Revolute) {
-        let range = &mut q[body.q_index];
-        if range.width() > FULL_TURN {
-            let least = if range.lower().is_finite() { range.lower() } else { -0.5 * FULL_TURN };
-            *range = Interval::new(least, least + FULL_TURN);
-        }
+        q[body.q_index] = one_turn(q[body.q_index]);
     }
     q
 }

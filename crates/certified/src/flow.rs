@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace, forward_dynamics};
 use robot_dynamics_number::{Dual, Scalar};
 
-use crate::linear::solve;
+use crate::linear::LinearSystem;
 use crate::search::middle;
 use crate::series::{Series, TERMS};
 use crate::{EnclosureError, Interval};
@@ -199,10 +199,11 @@ impl Flow<'_> {
         let columns: Vec<Interval> = orthogonal.iter().map(|x| Interval::from(*x)).collect();
         // r' = Q⁻¹ (S A) r + Q⁻¹ (end − next).
         let error: Vec<Interval> = end.iter().zip(&next).map(|(e, c)| *e - Interval::from(*c)).collect();
-        let mut rest = solve(&columns, &error).ok()?;
+        let system = LinearSystem::new(&columns, n).ok()?;
+        let mut rest = system.solve(&error).ok()?;
         for j in 0..n {
             let column: Vec<Interval> = (0..n).map(|i| product[i * n + j]).collect();
-            for (rest, x) in rest.iter_mut().zip(solve(&columns, &column).ok()?) {
+            for (rest, x) in rest.iter_mut().zip(system.solve(&column).ok()?) {
                 *rest += x * set.rest[j];
             }
         }

@@ -55,6 +55,17 @@ impl Classified for EnclosureError {
     }
 }
 
+/// An interval of angles of a little more than one turn in place of a wider one, which has the same
+/// rotations.
+pub(crate) fn one_turn(angles: Interval) -> Interval {
+    const FULL_TURN: f64 = 6.3;
+    if angles.width() <= FULL_TURN {
+        return angles;
+    }
+    let least = if angles.lower().is_finite() { angles.lower() } else { -0.5 * FULL_TURN };
+    Interval::new(least, least + FULL_TURN)
+}
+
 /// Refuses unbounded boxes, and quaternions that are not single numbers.
 pub(crate) fn check_box(model: &Model, q: &[Interval]) -> Result<(), EnclosureError> {
     assert_eq!(q.len(), model.nq(), "q has {} entries, but {} are needed", q.len(), model.nq());
@@ -88,49 +99,75 @@ pub(crate) fn check_box(model: &Model, q: &[Interval]) -> Result<(), EnclosureEr
 /// # Panics
 /// If M does not have n² entries.
 pub fn solve(matrix: &[Interval], right: &[Interval]) -> Result<Vec<Interval>, EnclosureError> {
-    let n = right.len();
-    assert_eq!(matrix.len(), n * n, "the matrix has {} entries, but {n}² are needed", matrix.len());
-    if matrix.iter().chain(right).any(|x| !x.is_bounded()) {
-        return Err(EnclosureError::Singular);
-    }
-    let middle = DMatrix::from_fn(n, n, |i, j| matrix[i * n + j].middle());
-    let inverse = middle.try_inverse().ok_or(EnclosureError::Singular)?;
-    let start: Vec<f64> = (0..n).map(|i| (0..n).map(|j| inverse[(i, j)] * right[j].middle()).sum()).collect();
-    if start.iter().any(|x| !x.is_finite()) {
-        return Err(EnclosureError::Singular);
-    }
-    let mut norm = 0.0_f64;
-    for i in 0..n {
-        let mut row = Interval::from(0.0);
-        for j in 0..n {
-            let mut entry = Interval::from(if i == j { 1.0 } else { 0.0 });
-            for k in 0..n {
-                entry -= Interval::from(inverse[(i, k)]) * matrix[k * n + j];
-            }
-            row += Interval::from(entry.magnitude());
+    LinearSystem::new(matrix, right.len())?.solve(right)
+}
+
+/// An interval matrix M whose regularity is proven, for several right sides.
+pub(crate) struct LinearSystem<'a> {
+    matrix: &'a [Interval],
+    /// R.
+    inverse: DMatrix<f64>,
+    /// ‖1 − R M‖.
+    norm: f64,
+}
+
+impl<'a> LinearSystem<'a> {
+    pub(crate) fn new(matrix: &'a [Interval], n: usize) -> Result<Self, EnclosureError> {
+        assert_eq!(matrix.len(), n * n, "the matrix has {} entries, but {n}² are needed", matrix.len());
+        if matrix.iter().any(|x| !x.is_bounded()) {
+            return Err(EnclosureError::Singular);
         }
-        norm = norm.max(row.upper());
+        let middle = DMatrix::from_fn(n, n, |i, j| matrix[i * n + j].middle());
+        let inverse = middle.try_inverse().ok_or(EnclosureError::Singular)?;
+        let mut norm = 0.0_f64;
+        for i in 0..n {
+            let mut row = Interval::from(0.0);
+            for j in 0..n {
+                let mut entry = Interval::from(if i == j { 1.0 } else { 0.0 });
+                for k in 0..n {
+                    entry -= Interval::from(inverse[(i, k)]) * matrix[k * n + j];
+                }
+                row += Interval::from(entry.magnitude());
+            }
+            norm = norm.max(row.upper());
+        }
+        let is_contracting = norm < 1.0;
+        if is_contracting {
+            Ok(Self { matrix, inverse, norm })
+        } else {
+            Err(EnclosureError::TooWide { norm })
+        }
     }
-    let is_contracting = norm < 1.0;
-    if !is_contracting {
-        return Err(EnclosureError::TooWide { norm });
+
+    /// See [`solve`].
+    pub(crate) fn solve(&self, right: &[Interval]) -> Result<Vec<Interval>, EnclosureError> {
+        let Self { matrix, inverse, norm } = self;
+        let n = right.len();
+        if right.iter().any(|x| !x.is_bounded()) {
+            return Err(EnclosureError::Singular);
+        }
+        let start: Vec<f64> =
+            (0..n).map(|i| (0..n).map(|j| inverse[(i, j)] * right[j].middle()).sum()).collect();
+        if start.iter().any(|x| !x.is_finite()) {
+            return Err(EnclosureError::Singular);
+        }
+        let residual: Vec<Interval> = (0..n)
+            .map(|i| (0..n).fold(right[i], |sum, j| sum - matrix[i * n + j] * Interval::from(start[j])))
+            .collect();
+        let mut largest = 0.0_f64;
+        let moved: Vec<Interval> = (0..n)
+            .map(|i| {
+                let zero = Interval::from(0.0);
+                (0..n).fold(zero, |sum, j| sum + Interval::from(inverse[(i, j)]) * residual[j])
+            })
+            .inspect(|x| largest = largest.max(x.magnitude()))
+            .collect();
+        // e = R (b − M x̃) + (1 − R M) e, and |e| ≤ ‖R (b − M x̃)‖/(1 − c).
+        let rest = Interval::from(largest) / (Interval::from(1.0) - Interval::from(*norm));
+        let rest = Interval::from(*norm) * Interval::new(0.0, rest.upper());
+        let rest = Interval::new(-rest.upper(), rest.upper());
+        Ok((0..n).map(|i| Interval::from(start[i]) + moved[i] + rest).collect())
     }
-    let residual: Vec<Interval> = (0..n)
-        .map(|i| (0..n).fold(right[i], |sum, j| sum - matrix[i * n + j] * Interval::from(start[j])))
-        .collect();
-    let mut largest = 0.0_f64;
-    let moved: Vec<Interval> = (0..n)
-        .map(|i| {
-            let zero = Interval::from(0.0);
-            (0..n).fold(zero, |sum, j| sum + Interval::from(inverse[(i, j)]) * residual[j])
-        })
-        .inspect(|x| largest = largest.max(x.magnitude()))
-        .collect();
-    // e = R (b − M x̃) + (1 − R M) e, and |e| ≤ ‖R (b − M x̃)‖/(1 − c).
-    let rest = Interval::from(largest) / (Interval::from(1.0) - Interval::from(norm));
-    let rest = Interval::from(norm) * Interval::new(0.0, rest.upper());
-    let rest = Interval::new(-rest.upper(), rest.upper());
-    Ok((0..n).map(|i| Interval::from(start[i]) + moved[i] + rest).collect())
 }
 
 /// Whether every symmetric matrix in an interval matrix is proven to be positive definite; n × n, row by row.

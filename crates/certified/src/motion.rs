@@ -144,6 +144,17 @@ impl PolynomialMotion {
         &self.pieces
     }
 
+    /// The time at which each piece starts \[s\].
+    pub fn starts(&self) -> Vec<f64> {
+        let mut end = 0.0;
+        let of = |piece: &Piece| {
+            let start = end;
+            end += piece.duration;
+            start
+        };
+        self.pieces.iter().map(of).collect()
+    }
+
     /// The number of coordinates.
     pub fn coordinates(&self) -> usize {
         self.pieces[0].coordinates.len()

@@ -11,8 +11,9 @@ use robot_dynamics_core::joint::PrimitiveJoint;
 use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::{FrameId, Model, Workspace, frame_pose};
 
+use crate::linear::one_turn;
 use crate::search::{SearchOptions, map_on_threads};
-use crate::support::{Arc, Support, Vector, vertices};
+use crate::support::{Arc, Support, Vector, dot, vertices};
 use crate::{EnclosureError, Interval};
 
 /// An outer bound of the positions of a frame's origin in the world: a convex set that contains all of them.
@@ -39,9 +40,6 @@ pub struct ReachableSet<'a> {
     /// The position if the frame does not move.
     fixed: Vector,
 }
-
-/// A little more than a full turn.
-const FULL_TURN: f64 = 6.3;
 
 /// A joint of the chain.
 struct ChainJoint {
@@ -164,9 +162,8 @@ impl ChainJoint {
         }
         let dof = &model.dofs[body.dof];
         let mut range = q[body.q_index] * Interval::from(dof.ratio) + Interval::from(dof.offset);
-        if body.motion == PrimitiveJoint::Revolute && range.width() > FULL_TURN {
-            let least = if range.lower().is_finite() { range.lower() } else { -0.5 * FULL_TURN };
-            range = Interval::new(least, least + FULL_TURN);
+        if body.motion == PrimitiveJoint::Revolute {
+            range = one_turn(range);
         }
         if !range.is_bounded() {
             return Err(EnclosureError::Unbounded);
@@ -214,8 +211,4 @@ impl ChainJoint {
         let (sine, cosine) = (Interval::from(sine), Interval::from(cosine));
         [x * cosine + y * sine, y * cosine - x * sine, z]
     }
-}
-
-fn dot(a: Vector, b: Vector) -> Interval {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

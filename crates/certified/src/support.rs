@@ -11,6 +11,10 @@ use crate::Interval;
 
 pub(crate) type Vector = [Interval; 3];
 
+pub(crate) fn dot(a: Vector, b: Vector) -> Interval {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Upper bounds of a support function on the six faces of a cube, each with a square grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Support {

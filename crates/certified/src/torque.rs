@@ -95,8 +95,8 @@ pub fn torque_bounds(
     }
     let (nv, count) = (model.nv(), motion.coordinates());
     assert_eq!(count, nv, "the motion has {count} coordinates, but {nv} are needed");
-    let mut workers: Vec<Torques> =
-        (0..options.thread_count()).map(|_| Torques::new(model, robots)).collect();
+    let robots = RobotSet::new(model, robots);
+    let mut workers: Vec<Torques> = (0..options.thread_count()).map(|_| Torques::new(&robots)).collect();
     let per_piece = 64_usize.div_ceil(motion.pieces().len());
     let mut times = Vec::new();
     for (piece, Piece { duration, .. }) in motion.pieces().iter().enumerate() {
@@ -119,11 +119,10 @@ pub fn torque_bounds(
         let loose: Vec<usize> = (0..parts.len()).filter(|k| is_loose(&parts[*k])).collect();
         let is_over = parts.len() + loose.len() > options.boxes || options.is_interrupted();
         if loose.is_empty() || is_over {
-            let start = |piece: usize| motion.pieces()[..piece].iter().map(|p| p.duration).sum::<f64>();
-            parts.sort_by(|a, b| {
-                (start(a.piece) + a.time.lower()).total_cmp(&(start(b.piece) + b.time.lower()))
-            });
-            let attained = attained(&parts, motion, nv);
+            let starts = motion.starts();
+            let start = |part: &TimePart| starts[part.piece] + part.time.lower();
+            parts.sort_by(|a, b| start(a).total_cmp(&start(b)));
+            let attained = attained(&parts, &starts, nv);
             return Ok(TorqueBounds { proven, attained, parts, is_tight: loose.is_empty() });
         }
         let halves: Vec<(usize, Interval)> =
@@ -145,7 +144,7 @@ fn hull(parts: &[TimePart], nv: usize, torques: fn(&TimePart) -> &[Interval]) ->
     (0..nv).map(|j| of(j).expect("a motion has parts")).collect()
 }
 
-fn attained(parts: &[TimePart], motion: &PolynomialMotion, nv: usize) -> Vec<Attained> {
+fn attained(parts: &[TimePart], starts: &[f64], nv: usize) -> Vec<Attained> {
     let of = |j: usize| {
         let mut attained = Attained {
             least: f64::INFINITY,
@@ -154,8 +153,8 @@ fn attained(parts: &[TimePart], motion: &PolynomialMotion, nv: usize) -> Vec<Att
             greatest_time: 0.0,
         };
         for part in parts {
-            let start: f64 = motion.pieces()[..part.piece].iter().map(|piece| piece.duration).sum();
-            let (time, (least, greatest)) = (start + part.time.middle(), part.extremes[j]);
+            let time = starts[part.piece] + part.time.middle();
+            let (least, greatest) = part.extremes[j];
             if least < attained.least {
                 (attained.least, attained.least_time) = (least, time);
             }
@@ -170,14 +169,13 @@ fn attained(parts: &[TimePart], motion: &PolynomialMotion, nv: usize) -> Vec<Att
 
 /// Torques in intervals of time, with workspaces.
 struct Torques<'a> {
-    robots: RobotSet<'a>,
+    robots: &'a RobotSet<'a>,
     points: Workspace<Interval>,
     slopes: Workspace<Dual<Interval, 1>>,
 }
 
 impl<'a> Torques<'a> {
-    fn new(model: &'a Model, robots: &'a Uncertainty) -> Self {
-        let robots = RobotSet::new(model, robots);
+    fn new(robots: &'a RobotSet<'a>) -> Self {
         let (points, slopes) = (Workspace::new(robots.model()), Workspace::new(robots.model()));
         Self { robots, points, slopes }
     }

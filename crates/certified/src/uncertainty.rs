@@ -7,6 +7,7 @@ use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_number::{Classified, ErrorKind};
 
 use crate::Interval;
+use crate::support::dot;
 
 /// The robots that a bound is proven for. The default is the model alone.
 #[derive(Clone, Debug)]
@@ -182,8 +183,4 @@ impl Payload {
         }
         examples
     }
-}
-
-fn dot(a: [Interval; 3], b: [Interval; 3]) -> Interval {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -11,10 +11,10 @@ use nalgebra::{Matrix3, SymmetricEigen};
 
 use crate::Interval;
 use crate::linear::is_positive_definite;
+use crate::support::{Vector, dot};
 
 /// A row of the regressor for one link.
 type Row = [Interval; 10];
-type Vector = [Interval; 3];
 
 /// The range of Y π over payloads of 1 kg with the center in a box and radii of gyration up to `radius`.
 pub(super) fn range(row: &Row, center: Vector, radius: f64) -> Interval {
@@ -90,8 +90,4 @@ fn eigenvalue_bound(matrix: [Vector; 3]) -> f64 {
             return f64::INFINITY;
         }
     }
-}
-
-fn dot(a: Vector, b: Vector) -> Interval {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

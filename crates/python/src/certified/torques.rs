@@ -95,16 +95,7 @@ impl Robot {
             let numbers: Vec<f64> = attained.iter().map(number).collect();
             array(py, &numbers)
         };
-        let mut end = 0.0;
-        let starts: Vec<f64> = motion
-            .pieces()
-            .iter()
-            .map(|piece| {
-                let start = end;
-                end += piece.duration;
-                start
-            })
-            .collect();
+        let starts = motion.starts();
         let times: Vec<f64> = parts
             .iter()
             .flat_map(|part| [part.time.lower(), part.time.upper()].map(|time| starts[part.piece] + time))
